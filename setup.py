@@ -1,0 +1,5 @@
+"""Lets colcon and pip find the declarative setup.cfg."""
+
+from setuptools import setup
+
+setup()

@@ -1,0 +1,1 @@
+"""The front: command line, scenario, pipeline and report."""

@@ -1,0 +1,1 @@
+"""Vocabulary: the records, units and errors that cross borders."""

@@ -1,0 +1,113 @@
+"""A plan: who flies where and when, as a record that crosses borders and is written to disk."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jfto_msgs_py.certificate import Certificate
+from jfto_msgs_py.radio import Radio
+
+Vector = tuple[float, float, float]
+
+PLAN_FORMAT = "jfto-plan"
+PLAN_VERSION = 1
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Where the local ENU frame sits: WGS-84 degrees, and metres in the DEM's height datum."""
+
+    lat_deg: float
+    lon_deg: float
+    alt_m: float
+
+
+@dataclass(frozen=True)
+class Waypoint:
+    """A camera position in ENU metres and where the camera looks.
+
+    `yaw_deg` is clockwise from north, `pitch_deg` is 0 at the horizon and -90 straight down.
+    """
+
+    id: int
+    position_m: Vector
+    yaw_deg: float = 0.0
+    pitch_deg: float = -90.0
+
+
+@dataclass(frozen=True)
+class Uav:
+    """One vehicle of the fleet: its limits and its pad (ENU metres)."""
+
+    id: str
+    p_max_dbm: float
+    energy_j: float
+    t_max_s: float
+    speed_mps: float
+    climb_mps: float
+    descent_mps: float
+    start_m: Vector
+
+
+@dataclass(frozen=True)
+class Route:
+    """What one UAV flies: waypoint ids in order, arrival times (s from lift-off), length in m.
+
+    `arrival_s` has one entry per waypoint of `waypoint_ids`; the pad, left at 0 s, is not listed.
+    """
+
+    waypoint_ids: tuple[int, ...]
+    arrival_s: tuple[float, ...]
+    length_m: float
+
+
+@dataclass(frozen=True)
+class Slots:
+    """Division of the mission into `count` slots of `duration_s`; instants are n = 0 … count."""
+
+    count: int
+    duration_s: float
+
+    @property
+    def horizon_s(self) -> float:
+        """T, the end of the last slot."""
+        return self.count * self.duration_s
+
+    @property
+    def times_s(self) -> NDArray[np.float64]:
+        """The count + 1 instants t_n in seconds."""
+        return np.arange(self.count + 1) * self.duration_s
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The whole plan. `routes[a]` belongs to `uavs[a]`; `positions_m` is (A, count + 1, 3), ENU.
+
+    `trajectories` is empty until smoothing exists; `certificate` is None for a plan not yet checked.
+    """
+
+    scenario_hash: str
+    seed: int
+    origin: Origin
+    radio: Radio
+    k_min: int
+    delta: int
+    d_min_m: float
+    length_max_m: float
+    slots: Slots
+    waypoints: tuple[Waypoint, ...]
+    uavs: tuple[Uav, ...]
+    routes: tuple[Route, ...]
+    positions_m: NDArray[np.float64]
+    certificate: Certificate | None = None
+    time_model: str = "constant_speed"
+    trajectories: tuple[dict[str, Any], ...] = field(default=())
+
+    @property
+    def total_length_m(self) -> float:
+        """Summed length of all routes in metres (P1obj)."""
+        return float(sum(route.length_m for route in self.routes))

@@ -1,0 +1,1 @@
+"""Decides where each UAV flies: coverage, starting points, routes and their certificate."""

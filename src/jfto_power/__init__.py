@@ -1,0 +1,1 @@
+"""Decides how loudly each UAV transmits."""

@@ -1,0 +1,1 @@
+"""Decides who is whose neighbour: C-TOP, the baselines and the metrics that compare them."""

@@ -1,0 +1,1 @@
+"""Models of the physical world: terrain, radio and motion."""

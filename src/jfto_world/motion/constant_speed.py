@@ -1,0 +1,34 @@
+"""Straight legs at constant speed, bounded by climb and descent."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jfto_world.motion.limits import MotionLimits
+
+Array = NDArray[np.float64]
+
+
+class ConstantSpeed:
+    """Leg time = max(L_xy / v_xy, |Δz| / v_z), position linear in time along the leg."""
+
+    def leg_matrix(self, points_m: Array, limits: MotionLimits) -> Array:
+        """Time of the direct leg between each ordered pair of points, shape (M, M)."""
+        return _leg_time(points_m[None, :, :] - points_m[:, None, :], limits)
+
+    def arrivals(self, route_m: Array, limits: MotionLimits) -> Array:
+        """Arrival time at each point of a route, shape (M,), the first being 0."""
+        return np.concatenate([[0.0], np.cumsum(_leg_time(np.diff(route_m, axis=0), limits))])
+
+    def positions(self, route_m: Array, limits: MotionLimits, times_s: Array) -> Array:
+        """Positions at the given times, shape (T, 3); holds at the last point."""
+        arrivals = self.arrivals(route_m, limits)
+        return np.stack([np.interp(times_s, arrivals, route_m[:, k]) for k in range(3)], axis=-1)
+
+
+def _leg_time(step_m: Array, limits: MotionLimits) -> Array:
+    horizontal = np.hypot(step_m[..., 0], step_m[..., 1]) / limits.speed_mps
+    rise = step_m[..., 2]
+    vertical = np.where(rise > 0, rise / limits.climb_mps, -rise / limits.descent_mps)
+    return np.maximum(horizontal, vertical)

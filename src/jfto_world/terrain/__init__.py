@@ -1,0 +1,1 @@
+"""Elevation models and geodesy."""
