@@ -21,8 +21,8 @@ KINDS = (
 class Violation:
     """One broken constraint.
 
-    `uav` names the UAV at fault ("uav1+uav2" for a pair, "" for the whole fleet), `time_s` the instant
-    (None where it has none), `slot` its slot index, which is fractional between slots. `value` and
+    `uav` names the UAV at fault ("uav1+uav2" for a pair, "" for the whole fleet), `time_s` the
+    instant (None where it has none), `slot` its slot index, fractional between slots. `value` and
     `limit` share a unit that the text in `message` states.
     """
 
@@ -39,11 +39,12 @@ class Violation:
 class Certificate:
     """Result of checking a plan from its positions alone.
 
-    `slot_checks` counts UAV × slot checks of the neighbour rule and `slot_violations` how many of them
-    failed; `fine_violations` counts violations of separation and neighbours at ten times finer sampling.
-    `worst_margin_db` is the least surplus of received power over the sensitivity on the link to a UAV's
-    K_min-th neighbour, at `worst_margin_uav` and `worst_margin_slot`; `worst_separation_m` the least
-    distance between two UAVs.
+    `slot_checks` counts UAV × slot checks of the neighbour rule and `slot_violations` how many of
+    them failed; `fine_violations` counts violations of separation and neighbours at ten times finer
+    sampling. `worst_margin_db` is the least surplus of received power over the sensitivity on the
+    link to a UAV's K_min-th neighbour, at `worst_margin_uav` and `worst_margin_slot`;
+    `worst_separation_m` is the least distance between two UAVs; `energy_floor_j` the energy that
+    the least powers of the topology cost each UAV.
     """
 
     clean: bool

@@ -80,14 +80,14 @@ class Slots:
     @property
     def times_s(self) -> NDArray[np.float64]:
         """The count + 1 instants t_n in seconds."""
-        return np.arange(self.count + 1) * self.duration_s
+        return np.arange(self.count + 1, dtype=np.float64) * self.duration_s
 
 
 @dataclass(frozen=True)
 class Plan:
     """The whole plan. `routes[a]` belongs to `uavs[a]`; `positions_m` is (A, count + 1, 3), ENU.
 
-    `trajectories` is empty until smoothing exists; `certificate` is None for a plan not yet checked.
+    `trajectories` is empty until routes are smoothed; `certificate` is None before the check.
     """
 
     scenario_hash: str
