@@ -1,0 +1,30 @@
+"""The three quality-of-service profiles that the graph uses."""
+
+from __future__ import annotations
+
+from typing import Any
+
+
+def latched() -> Any:
+    """Reliable and transient local, depth 1: a late joiner gets the last value at once."""
+    from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+    return QoSProfile(
+        depth=1,
+        reliability=ReliabilityPolicy.RELIABLE,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL,
+    )
+
+
+def sensor() -> Any:
+    """Best effort, volatile, depth 5: the newest measurement matters, an old one does not."""
+    from rclpy.qos import qos_profile_sensor_data
+
+    return qos_profile_sensor_data
+
+
+def default() -> Any:
+    """Reliable, volatile, depth 10."""
+    from rclpy.qos import QoSProfile
+
+    return QoSProfile(depth=10)

@@ -1,0 +1,45 @@
+"""Names of topics, services and frames: no other file spells one out."""
+
+from __future__ import annotations
+
+MAP_FRAME = "map"  # ENU metres about the plan's origin
+
+ADJACENCY = "/jfto/topology/adjacency"
+POWER_INTERVAL = "/jfto/topology/power_interval"
+POWER_SCHEDULE = "/jfto/power/schedule"
+MARKERS = "/jfto/markers"
+DIAGNOSTICS = "/diagnostics"
+REPLAN = "/jfto/planner/replan"
+MISSION_SERVICES = tuple(
+    f"/jfto/mission/{verb}" for verb in ("upload", "start", "pause", "resume", "abort")
+)
+
+
+def path(uav_id: str) -> str:
+    """Planned waypoints of a UAV."""
+    return f"/{uav_id}/jfto/path"
+
+
+def trajectory(uav_id: str) -> str:
+    """Planned trajectory of a UAV."""
+    return f"/{uav_id}/jfto/trajectory"
+
+
+def tx_power(uav_id: str) -> str:
+    """Transmit-power setpoint in force, dBm."""
+    return f"/{uav_id}/jfto/tx_power"
+
+
+def pose(uav_id: str) -> str:
+    """Measured pose of a UAV in the map frame."""
+    return f"/{uav_id}/pose"
+
+
+def fix(uav_id: str) -> str:
+    """Measured geodetic position of a UAV."""
+    return f"/{uav_id}/fix"
+
+
+def battery(uav_id: str) -> str:
+    """State of a UAV's flight battery."""
+    return f"/{uav_id}/battery"
