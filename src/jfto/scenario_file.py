@@ -1,0 +1,212 @@
+"""Scenario files: ROS 2 parameter YAML read into checked scenarios."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from jfto_msgs_py.errors import ScenarioError
+from jfto_msgs_py.read_text import read_text
+from jfto_msgs_py.scenario import KEYS, Given, Scenario, make_scenario
+from jfto_msgs_py.scenario.suggest import nearest
+
+SHARED = "/**"
+NODES = ("planner_node", "topology_node", "power_node", "mavlink_bridge")
+# Parameters of ROS itself, which a file may set beside ours.
+ROS_KEYS = ("use_sim_time",)
+_SIZE_LIMIT = 1_000_000
+_DEPTH_LIMIT = 8
+
+
+class _Loader(yaml.SafeLoader):
+    """Reads numbers as ROS does: 83.5e6 is a number although YAML 1.1 wants 83.5e+6."""
+
+
+_Loader.add_implicit_resolver(
+    "tag:yaml.org,2002:float",
+    re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$"),
+    list("-+.0123456789"),
+)
+
+
+@dataclass(frozen=True)
+class LoadedScenario:
+    """A scenario and the file that it came from, against which its paths are resolved."""
+
+    scenario: Scenario
+    path: Path
+
+    def resolve(self, name: str) -> Path:
+        """Path of a file that the scenario names: beside the scenario, else as it stands."""
+        beside = self.path.parent / name
+        return beside if beside.exists() or Path(name).is_absolute() else Path(name)
+
+
+def load_scenario(path: str | Path, overrides: Sequence[str] = ()) -> LoadedScenario:
+    """Scenario from a file, with `key=value` overrides on top.
+
+    Raises ScenarioError that lists every problem in the file and the overrides.
+    """
+    path = Path(path)
+    problems: list[str] = []
+    layers = _read_layers(path, problems)
+    layers.append(_read_overrides(overrides, problems))
+    try:
+        scenario = make_scenario(layers)
+    except ScenarioError as error:
+        raise ScenarioError([*problems, *error.problems]) from None
+    if problems:
+        raise ScenarioError(problems)
+    return LoadedScenario(scenario, path)
+
+
+def _read_layers(path: Path, problems: list[str]) -> list[dict[str, Given]]:
+    """Shared values, then each node's, as layers of dotted keys."""
+    root = _compose(path, read_text(path, ScenarioError, "scenario", _SIZE_LIMIT))
+    if not isinstance(root, yaml.MappingNode):
+        raise ScenarioError(
+            f"{path}: holds no parameters. Start it with '/**:', 'ros__parameters:' below it, and "
+            "the keys below that."
+        )
+    shared: dict[str, Given] = {}
+    per_node: dict[str, Given] = {}
+    for name_node, section in root.value:
+        where = f"{path}:{name_node.start_mark.line + 1}"
+        name = str(name_node.value)
+        parameters = _parameters(name, section, where, problems)
+        if parameters is None:
+            continue
+        if name == SHARED:
+            _flatten(path, parameters, "", shared, problems, 0)
+            continue
+        mine: dict[str, Given] = {}
+        _flatten(path, parameters, "", mine, problems, 0)
+        _merge_node(per_node, mine, name, problems)
+    return [shared, per_node]
+
+
+def _compose(path: Path, text: str) -> yaml.Node | None:
+    try:
+        for event in yaml.parse(text, Loader=_Loader):
+            if isinstance(event, yaml.AliasEvent):
+                raise ScenarioError(
+                    f"{path}: refers to *{event.anchor}, but ROS parameter files allow no aliases. "
+                    "Write the value out."
+                )
+        return yaml.compose(text, Loader=_Loader)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark
+        where = f"{path}:{mark.line + 1}" if mark is not None else str(path)
+        raise ScenarioError(
+            f"{where}: is not valid YAML: {error.problem}. Check the indentation, colons and "
+            "brackets of this line and the one above."
+        ) from None
+    except yaml.YAMLError as error:
+        raise ScenarioError(
+            f"{path}: is not valid YAML: {error}. Save it as plain UTF-8 text."
+        ) from None
+
+
+def _parameters(
+    name: str, section: yaml.Node, where: str, problems: list[str]
+) -> yaml.MappingNode | None:
+    """The mapping below `ros__parameters` of one section; None, with a problem, if amiss."""
+    if name != SHARED and name.lstrip("/") not in NODES:
+        guess = nearest(name.lstrip("/"), NODES)
+        cure = f"Did you mean {guess}?" if guess else f"Use '{SHARED}' for values that all share."
+        if nearest(name, {key.split(".")[0] for key in KEYS}):
+            cure = f"Put it below '{SHARED}:' and 'ros__parameters:'."
+        problems.append(f"{where}: unknown section {name}. {cure}")
+        return None
+    if isinstance(section, yaml.MappingNode):
+        for key_node, value_node in section.value:
+            if key_node.value == "ros__parameters" and isinstance(value_node, yaml.MappingNode):
+                return value_node
+    problems.append(
+        f"{where}: section {name} has no 'ros__parameters:' with keys below it. Add that line and "
+        "indent the keys."
+    )
+    return None
+
+
+def _flatten(
+    path: Path,
+    node: yaml.MappingNode,
+    prefix: str,
+    into: dict[str, Given],
+    problems: list[str],
+    depth: int,
+) -> None:
+    """Add the values below a mapping to `into` by their dotted names."""
+    for key_node, value_node in node.value:
+        where = f"{path}:{key_node.start_mark.line + 1}"
+        if not isinstance(key_node, yaml.ScalarNode):
+            problems.append(f"{where}: a key is a list or a map. Write its name.")
+            continue
+        name = f"{prefix}{key_node.value}"
+        if name in ROS_KEYS:
+            continue
+        if isinstance(value_node, yaml.MappingNode):
+            if depth >= _DEPTH_LIMIT:
+                problems.append(f"{where}: {name} is nested too deep. Keys are part.name.")
+            else:
+                _flatten(path, value_node, f"{name}.", into, problems, depth + 1)
+            continue
+        if name in into:
+            first = into[name].origin.rsplit(":", 1)[-1]
+            problems.append(f"{where}: {name} was already given on line {first}. Remove one.")
+            continue
+        into[name] = Given(_construct(value_node), where)
+
+
+def _construct(node: yaml.Node) -> Any:
+    """Plain value of a scalar or list node."""
+    loader = _Loader("")
+    try:
+        return loader.construct_object(node, deep=True)
+    except (yaml.YAMLError, ValueError):
+        # A tag or date that YAML cannot make sense of is text to us, and judged as such.
+        return str(node.value)
+    finally:
+        loader.dispose()
+
+
+def _merge_node(
+    per_node: dict[str, Given], mine: dict[str, Given], name: str, problems: list[str]
+) -> None:
+    """Join a node's values to those of other nodes, which must agree."""
+    for key, item in mine.items():
+        other = per_node.setdefault(key, item)
+        if other.value != item.value:
+            problems.append(
+                f"{item.origin}: {key} is {item.value!r} for {name}, but {other.value!r} at "
+                f"{other.origin}. Nodes must agree: put it below '{SHARED}'."
+            )
+
+
+def _read_overrides(overrides: Sequence[str], problems: list[str]) -> dict[str, Given]:
+    layer: dict[str, Given] = {}
+    for text in overrides:
+        name, equals, raw = text.partition("=")
+        name = name.strip()
+        if not equals or not name:
+            problems.append(f"--set {text}: is not key=value. Write --set radio.noise_dbm=-105.")
+            continue
+        key = KEYS.get(name)
+        if key is not None and key.array and not raw.strip().startswith("["):
+            raw = f"[{raw}]"
+        if key is not None and not key.array and key.kind == "text":
+            layer[name] = Given(raw, "--set")
+            continue
+        try:
+            node = yaml.compose(raw, Loader=_Loader)
+        except yaml.YAMLError:
+            problems.append(f"--set {text}: cannot read the value. Quote it or mend the brackets.")
+            continue
+        layer[name] = Given("" if node is None else _construct(node), "--set")
+    return layer

@@ -1,0 +1,61 @@
+"""The vehicles and where they lift off."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from jfto_msgs_py.scenario.key import param
+
+
+@dataclass(frozen=True)
+class FleetPart:
+    """The UAVs. Arrays have one entry per UAV; one entry stands for all."""
+
+    count: int = param(8, "Number of UAVs, A.", low=1, high=1000)
+    ids: tuple[str, ...] = param(
+        (), "Names, also the ROS namespaces. Left out: uav1, uav2, …", per_uav=True
+    )
+    p_max_dbm: tuple[float, ...] = param(
+        (30.0,), "Greatest transmit power, P_a,max.", unit="dBm", low=0.0, high=40.0, per_uav=True
+    )
+    energy_j: tuple[float, ...] = param(
+        (200.0,),
+        "Energy for transmission, E_a,max.",
+        unit="J",
+        low=0.0,
+        high=1e7,
+        strict=True,
+        per_uav=True,
+    )
+    t_max_s: tuple[float, ...] = param(
+        (450.0,),
+        "Latest arrival at the last waypoint, T_a,max.",
+        unit="s",
+        low=1.0,
+        high=100_000.0,
+        per_uav=True,
+    )
+    speed_mps: tuple[float, ...] = param(
+        (10.0,), "Horizontal speed.", unit="m/s", low=0.1, high=60.0, per_uav=True
+    )
+    climb_mps: tuple[float, ...] = param(
+        (4.0,), "Greatest climb speed.", unit="m/s", low=0.1, high=30.0, per_uav=True
+    )
+    descent_mps: tuple[float, ...] = param(
+        (3.0,), "Greatest descent speed.", unit="m/s", low=0.1, high=30.0, per_uav=True
+    )
+
+
+@dataclass(frozen=True)
+class StartsPart:
+    """Starting points. UAVs that share one lift off from pads mission.d_min_m apart."""
+
+    count: int = param(4, "Number of starting points, S, when they are chosen.", low=1, high=1000)
+    positions_m: tuple[float, ...] = param(
+        (),
+        "Given starting points, east and north of the origin: e1, n1, e2, n2, … UAVs take them in "
+        "turn. Left out: chosen from the distribution of the waypoints.",
+        unit="m",
+        low=-50_000.0,
+        high=50_000.0,
+    )

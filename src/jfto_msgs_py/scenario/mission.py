@@ -1,0 +1,64 @@
+"""What the fleet must keep to, and how hard to look for it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from jfto_msgs_py.scenario.key import param
+
+
+@dataclass(frozen=True)
+class NetworkPart:
+    """Rules for the number of neighbours."""
+
+    k_min: int = param(2, "Least number of neighbours of every UAV, K_min.", low=1, high=100)
+    delta: int = param(2, "Most neighbours beyond K_min, δ.", low=0, high=100)
+
+
+@dataclass(frozen=True)
+class MissionPart:
+    """Limits of the whole mission and its division into slots."""
+
+    d_min_m: float = param(
+        10.0, "Least distance between two UAVs, d_min.", unit="m", low=0.0, high=1000.0
+    )
+    length_max_m: float = param(
+        40_000.0, "Greatest length of all routes together, L_max.", unit="m", low=1.0, high=1e7
+    )
+    slot_count: int = param(150, "Number of time slots, N.", low=1, high=10_000)
+    horizon_s: float = param(
+        0.0,
+        "Duration T that the slots divide. 0: until the last UAV has reached its last waypoint.",
+        unit="s",
+        low=0.0,
+        high=100_000.0,
+    )
+
+
+@dataclass(frozen=True)
+class SearchPart:
+    """Effort of the route search."""
+
+    seed: int = param(0, "Seed of the search (also --seed).", low=0, high=2**31 - 1, hashed=False)
+    moves: int = param(
+        2_000_000, "Moves tried per start; the budget, equal on any machine.", low=1, high=10**12
+    )
+    starts: int = param(4, "Independent starts; the best one is kept.", low=1, high=1000)
+    time_limit_s: float = param(
+        0.0,
+        "Ends the search early; 0: never. With a limit the same seed may give another plan.",
+        unit="s",
+        low=0.0,
+        high=100_000.0,
+    )
+    workers: int = param(
+        0, "Processor cores used; 0: all. Does not change the plan.", low=0, high=1024, hashed=False
+    )
+
+
+@dataclass(frozen=True)
+class EvaluationPart:
+    """How the four topology algorithms are compared."""
+
+    n_dc: int = param(45, "Slot at which one UAV is lost for ξ, n_DC.", low=0, high=10_000)
+    slot_shown: int = param(45, "Slot whose topology is drawn.", low=0, high=10_000)

@@ -1,0 +1,65 @@
+"""A whole scenario: every part, every key."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+from dataclasses import dataclass, field
+from typing import Any
+
+from jfto_msgs_py.scenario.camera import CameraPart, CoveragePart
+from jfto_msgs_py.scenario.fleet import FleetPart, StartsPart
+from jfto_msgs_py.scenario.key import Key, keys_of
+from jfto_msgs_py.scenario.mission import EvaluationPart, MissionPart, NetworkPart, SearchPart
+from jfto_msgs_py.scenario.radio import RadioPart
+from jfto_msgs_py.scenario.terrain import TerrainPart
+from jfto_msgs_py.scenario.waypoints import WaypointsPart
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """Everything a run depends on, resolved: per-UAV arrays have one entry per UAV."""
+
+    terrain: TerrainPart = field(default_factory=TerrainPart)
+    waypoints: WaypointsPart = field(default_factory=WaypointsPart)
+    camera: CameraPart = field(default_factory=CameraPart)
+    coverage: CoveragePart = field(default_factory=CoveragePart)
+    fleet: FleetPart = field(default_factory=FleetPart)
+    starts: StartsPart = field(default_factory=StartsPart)
+    radio: RadioPart = field(default_factory=RadioPart)
+    network: NetworkPart = field(default_factory=NetworkPart)
+    mission: MissionPart = field(default_factory=MissionPart)
+    search: SearchPart = field(default_factory=SearchPart)
+    evaluation: EvaluationPart = field(default_factory=EvaluationPart)
+
+    def values(self) -> dict[str, Any]:
+        """Value of every key by its dotted name, in the order of the schema."""
+        return {
+            f"{part.name}.{key.name}": getattr(getattr(self, part.name), key.name)
+            for part in dataclasses.fields(self)
+            for key in dataclasses.fields(getattr(self, part.name))
+        }
+
+    def scenario_hash(self) -> str:
+        """SHA-256 of the values that decide the result, apart from the seed of the search."""
+        decisive = {name: value for name, value in self.values().items() if KEYS[name].hashed}
+        return hashlib.sha256(json.dumps(decisive, sort_keys=True).encode()).hexdigest()
+
+
+PARTS: dict[str, type] = {
+    "terrain": TerrainPart,
+    "waypoints": WaypointsPart,
+    "camera": CameraPart,
+    "coverage": CoveragePart,
+    "fleet": FleetPart,
+    "starts": StartsPart,
+    "radio": RadioPart,
+    "network": NetworkPart,
+    "mission": MissionPart,
+    "search": SearchPart,
+    "evaluation": EvaluationPart,
+}
+KEYS: dict[str, Key] = {
+    key.name: key for prefix, part in PARTS.items() for key in keys_of(part, prefix)
+}

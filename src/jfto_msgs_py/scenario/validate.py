@@ -1,0 +1,169 @@
+"""From the values that a file and the command line give to a checked scenario."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from jfto_msgs_py.errors import ScenarioError
+from jfto_msgs_py.scenario.key import Key
+from jfto_msgs_py.scenario.radio import RADIO_SHORTHANDS
+from jfto_msgs_py.scenario.scenario import KEYS, PARTS, Scenario
+from jfto_msgs_py.scenario.suggest import nearest
+from jfto_msgs_py.scenario.value import Given, check_value
+
+Layer = Mapping[str, Given]
+
+_ROS_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+
+
+def make_scenario(layers: Sequence[Layer]) -> Scenario:
+    """Scenario from layers of dotted keys, a later layer winning over an earlier one.
+
+    Raises ScenarioError that lists every problem found, one sentence each: where, which key, which
+    value, which range, and what to do.
+    """
+    problems: list[str] = []
+    given: dict[str, Given] = {}
+    for layer in layers:
+        given.update(_expand(layer, problems))
+    values: dict[str, Any] = {}
+    for name, item in given.items():
+        value, found = check_value(KEYS[name], item)
+        problems += found
+        if not found:
+            values[name] = value
+    _resolve_fleet(values, given, problems)
+    _check_together(values, given, problems)
+    if problems:
+        raise ScenarioError(problems)
+    return Scenario(
+        **{
+            prefix: part(
+                **{
+                    name.split(".", 1)[1]: value
+                    for name, value in values.items()
+                    if name.startswith(f"{prefix}.")
+                }
+            )
+            for prefix, part in PARTS.items()
+        }
+    )
+
+
+def _expand(layer: Layer, problems: list[str]) -> dict[str, Given]:
+    """Known keys of a layer, short-hands replaced by what they stand for."""
+    expanded: dict[str, Given] = {}
+    for name, item in layer.items():
+        if name in KEYS:
+            expanded[name] = item
+            continue
+        if name in RADIO_SHORTHANDS:
+            both = [target for target in RADIO_SHORTHANDS[name] if target in layer]
+            if both:
+                problems.append(f"{item.origin}: {name} sets {both[0]} too. Give one of them.")
+            expanded.update(dict.fromkeys(RADIO_SHORTHANDS[name], item))
+            continue
+        guess = nearest(name, [*KEYS, *RADIO_SHORTHANDS])
+        cure = f"Did you mean {guess}?" if guess else "docs/scenario.md lists all keys."
+        problems.append(f"{item.origin}: unknown key {name}. {cure}")
+    return expanded
+
+
+def _resolve_fleet(values: dict[str, Any], given: Layer, problems: list[str]) -> None:
+    """Give every per-UAV key one entry per UAV, and every UAV a name."""
+    count = _value(values, "fleet.count")
+    for name, key in KEYS.items():
+        if not key.per_uav or (name in given and name not in values):
+            continue
+        entries = _value(values, name)
+        if name == "fleet.ids":
+            entries = entries or tuple(f"uav{number}" for number in range(1, count + 1))
+        elif len(entries) == 1:
+            entries = entries * count
+        if len(entries) != count:
+            problems.append(_wrong_count(key, given[name].origin, len(entries), count))
+        values[name] = entries
+    if "fleet.ids" in given and "fleet.ids" in values:
+        _check_ids(values["fleet.ids"], given["fleet.ids"].origin, problems)
+
+
+def _wrong_count(key: Key, origin: str, found: int, count: int) -> str:
+    one = "" if key.name == "fleet.ids" else "one for all or "
+    return (
+        f"{origin}: {key.name} has {found} entries, but fleet.count is {count}. "
+        f"Give {one}one per UAV, or set fleet.count to {found}."
+    )
+
+
+def _check_ids(ids: tuple[str, ...], origin: str, problems: list[str]) -> None:
+    for index, name in enumerate(ids):
+        if not _ROS_NAME.fullmatch(name):
+            problems.append(
+                f"{origin}: fleet.ids[{index}] is {name!r}, must be a ROS name: a letter, then "
+                "letters, digits and underscores."
+            )
+        if name in ids[:index]:
+            problems.append(
+                f"{origin}: fleet.ids[{index}] is {name!r}, which is UAV {ids.index(name)}'s name "
+                "too. Give each UAV a name of its own."
+            )
+
+
+def _check_together(values: dict[str, Any], given: Layer, problems: list[str]) -> None:
+    """Rules that concern several keys at once."""
+
+    def complain(name: str, text: str, *others: str) -> None:
+        origins = [given[key].origin for key in (name, *others) if key in given]
+        problems.append(f"{origins[0] if origins else 'scenario'}: {name} {text}")
+
+    count, k_min = _value(values, "fleet.count"), _value(values, "network.k_min")
+    if k_min >= count:
+        complain(
+            "network.k_min",
+            f"is {k_min}, but {count} UAVs can have at most {count - 1} neighbours. "
+            f"Set it to {count - 1} or less, or fleet.count to {k_min + 1} or more.",
+            "fleet.count",
+        )
+    slots = _value(values, "mission.slot_count")
+    for name in ("evaluation.n_dc", "evaluation.slot_shown"):
+        if _value(values, name) > slots:
+            # A default that a short mission cannot hold moves to its last slot.
+            if name in given:
+                complain(name, f"is {values[name]}, but mission.slot_count is {slots}. Lower it.")
+            values[name] = slots
+    if _value(values, "waypoints.source") == "file" and not _value(values, "waypoints.file"):
+        complain(
+            "waypoints.file",
+            "is empty, but waypoints.source is file. Name the file.",
+            "waypoints.source",
+        )
+    center = _value(values, "terrain.center_deg")
+    if center and abs(center[0]) > 90:
+        complain(
+            "terrain.center_deg",
+            f"has latitude {center[0]:g}, outside -90…90 deg. Give latitude before longitude.",
+        )
+    _check_starts(values, complain)
+
+
+def _check_starts(values: dict[str, Any], complain: Any) -> None:
+    positions = _value(values, "starts.positions_m")
+    if len(positions) % 2:
+        complain(
+            "starts.positions_m",
+            f"has {len(positions)} numbers, needs pairs of east and north. Add or remove one.",
+        )
+    count, starts = _value(values, "fleet.count"), _value(values, "starts.count")
+    if starts > count:
+        if "starts.count" in values:
+            complain(
+                "starts.count",
+                f"is {starts}, but there are {count} UAVs. Set it to {count} or less.",
+            )
+        values["starts.count"] = count
+
+
+def _value(values: Mapping[str, Any], name: str) -> Any:
+    return values.get(name, KEYS[name].default)
