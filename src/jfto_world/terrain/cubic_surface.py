@@ -1,0 +1,69 @@
+"""A smooth surface through a regular grid of heights: the bicubic spline."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from jfto_world.terrain.kernels import evaluate_all
+
+Array = NDArray[np.float64]
+
+# The spline filter forgets its edge by a factor 0.27 a node: 24 nodes away by 1e-14.
+_PAD = 24
+
+
+@dataclass(frozen=True)
+class CubicSurface:
+    """Interpolating bicubic B-spline, twice continuously differentiable.
+
+    Node (i, j) lies at x = x0 + j * step_x, y = y0 + i * step_y. `coefficients` has shape
+    (ny + 2, nx + 2). Steps may be negative (rasters run southwards).
+    """
+
+    coefficients: Array
+    shape: tuple[int, int]
+    x0: float
+    y0: float
+    step_x: float
+    step_y: float
+
+    @classmethod
+    def through(
+        cls, heights: Array, x0: float, y0: float, step_x: float, step_y: float
+    ) -> CubicSurface:
+        """Surface through `heights` of shape (ny, nx), both at least 2, all finite.
+
+        Beyond the grid the heights are continued by odd reflection, so that the slope at its edge
+        is that of the data.
+        """
+        grid = np.asarray(heights, dtype=np.float64)
+        padded = np.pad(grid, _PAD, mode="reflect", reflect_type="odd")
+        filtered = ndimage.spline_filter(padded, order=3, mode="mirror")
+        keep = slice(_PAD - 1, 1 - _PAD)  # one coefficient beyond the grid on each side
+        rows, columns = grid.shape
+        return cls(
+            np.ascontiguousarray(filtered[keep, keep]), (rows, columns), x0, y0, step_x, step_y
+        )
+
+    def contains(self, x: Array, y: Array) -> NDArray[np.bool_]:
+        """Whether points lie within the grid's nodes."""
+        u, v = (x - self.x0) / self.step_x, (y - self.y0) / self.step_y
+        rows, columns = self.shape
+        slack = 1e-9
+        return (u >= -slack) & (u <= columns - 1 + slack) & (v >= -slack) & (v <= rows - 1 + slack)
+
+    def height_and_gradient(self, x: Array, y: Array) -> tuple[Array, Array, Array]:
+        """Heights and slopes dz/dx and dz/dy at points of one shape.
+
+        Points outside take the value at the nearest edge; ask `contains` first.
+        """
+        u = np.asarray((x - self.x0) / self.step_x, dtype=np.float64)
+        v = np.asarray((y - self.y0) / self.step_y, dtype=np.float64)
+        result = np.empty((3, u.size))
+        evaluate_all(self.coefficients, u.ravel(), v.ravel(), result)
+        height, along_u, along_v = (row.reshape(u.shape) for row in result)
+        return height, along_u / self.step_x, along_v / self.step_y

@@ -1,0 +1,129 @@
+"""The ground under a scenario, in its local frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jfto_msgs_py.errors import TerrainError
+from jfto_msgs_py.plan import Origin
+from jfto_world.terrain.cubic_surface import CubicSurface
+from jfto_world.terrain.frame import LocalFrame
+from jfto_world.terrain.ray import cell_ceilings, first_hit
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Dem:
+    """Bicubic ground surface over the area and a margin around it.
+
+    The area is `size_m` (east-west, north-south) metres about the origin; heights are z in ENU
+    metres, 0 at the origin, whose altitude is in `height_datum`. Whatever asks for ground beyond
+    `half_extent_m` gets a TerrainError, never a made-up height.
+    """
+
+    origin: Origin
+    size_m: tuple[float, float]
+    half_extent_m: tuple[float, float]
+    surface: CubicSurface
+    height_datum: str
+    above_ellipsoid: bool
+    description: str
+
+    @cached_property
+    def frame(self) -> LocalFrame:
+        """The local frame about the origin."""
+        return LocalFrame(self.origin)
+
+    def to_enu(self, lat_deg: ArrayLike, lon_deg: ArrayLike, alt_m: ArrayLike) -> Array:
+        """ENU metres (..., 3) of WGS-84 degrees and altitudes in the DEM's height datum."""
+        return self.frame.to_enu(lat_deg, lon_deg, alt_m)
+
+    def to_geodetic(self, position_m: ArrayLike) -> tuple[Array, Array, Array]:
+        """Latitude, longitude (degrees) and altitude (m, DEM's datum) of ENU (..., 3)."""
+        return self.frame.to_geodetic(position_m)
+
+    def contains(self, x_m: ArrayLike, y_m: ArrayLike) -> NDArray[np.bool_]:
+        """Whether the ground under points is known: the area with its margin."""
+        return self.surface.contains(
+            np.asarray(x_m, dtype=np.float64), np.asarray(y_m, dtype=np.float64)
+        )
+
+    def height(self, x_m: ArrayLike, y_m: ArrayLike) -> Array:
+        """Ground height z in metres at points of any shape. Raises TerrainError outside."""
+        return self.height_and_gradient(x_m, y_m)[0]
+
+    def height_and_gradient(self, x_m: ArrayLike, y_m: ArrayLike) -> tuple[Array, Array, Array]:
+        """Ground height and its slopes eastwards and northwards. Raises TerrainError outside."""
+        x, y = (np.asarray(v, dtype=np.float64) for v in np.broadcast_arrays(x_m, y_m))
+        self._check_inside(x, y)
+        return self.surface.height_and_gradient(x, y)
+
+    def normal(self, x_m: ArrayLike, y_m: ArrayLike) -> Array:
+        """Unit vector (..., 3) that stands on the ground, pointing up. TerrainError outside."""
+        _, east, north = self.height_and_gradient(x_m, y_m)
+        normal = np.stack([-east, -north, np.ones_like(east)], axis=-1)
+        return normal / np.linalg.norm(normal, axis=-1, keepdims=True)
+
+    def grid(self) -> tuple[Array, Array, Array]:
+        """The surface's own nodes, for drawing: x (nx,), y (ny,), z (ny, nx)."""
+        rows, columns = self.surface.shape
+        x = self.surface.x0 + self.surface.step_x * np.arange(columns)
+        y = self.surface.y0 + self.surface.step_y * np.arange(rows)
+        return x, y, self.surface.height_and_gradient(*np.meshgrid(x, y))[0]
+
+    def first_hit(
+        self, origin_m: ArrayLike, direction: ArrayLike, max_range_m: ArrayLike = np.inf
+    ) -> Array:
+        """Distance (K,) in metres at which rays first touch the ground; inf where they do not.
+
+        `origin_m` and `direction` (any length but 0) have shape (K, 3) or broadcast to it. A ray
+        from below ground hits at 0; beyond the margin there is nothing to hit.
+        """
+        origin, direction_ = np.broadcast_arrays(
+            np.atleast_2d(np.asarray(origin_m, dtype=np.float64)),
+            np.atleast_2d(np.asarray(direction, dtype=np.float64)),
+        )
+        length = np.linalg.norm(direction_, axis=-1, keepdims=True)
+        if not (np.isfinite(origin).all() and np.isfinite(length).all() and (length > 0).all()):
+            raise TerrainError(
+                "A ray has a direction of zero length or a coordinate that is not a number. "
+                "Give finite positions and directions."
+            )
+        reach = np.broadcast_to(np.asarray(max_range_m, dtype=np.float64), (len(origin),))
+        return first_hit(self.surface, self._ceilings, origin, direction_ / length, reach)
+
+    def sees(self, from_m: ArrayLike, to_m: ArrayLike, slack_m: float = 0.1) -> NDArray[np.bool_]:
+        """Whether the ground leaves free the straight line between pairs of points, (K, 3) each.
+
+        `slack_m` is how close to `to_m` the line may touch, so that points on the ground count.
+        """
+        start, end = np.broadcast_arrays(
+            np.atleast_2d(np.asarray(from_m, dtype=np.float64)),
+            np.atleast_2d(np.asarray(to_m, dtype=np.float64)),
+        )
+        distance = np.linalg.norm(end - start, axis=-1)
+        free = distance <= slack_m
+        far = ~free
+        reach = distance[far] - slack_m
+        free[far] = np.isinf(self.first_hit(start[far], (end - start)[far], reach))
+        return free
+
+    @cached_property
+    def _ceilings(self) -> Array:
+        return cell_ceilings(self.surface)
+
+    def _check_inside(self, x: Array, y: Array) -> None:
+        inside = self.surface.contains(x, y)
+        if inside.all():
+            return
+        first = tuple(np.argwhere(~inside)[0])
+        raise TerrainError(
+            f"Point x = {x[first]:.1f} m, y = {y[first]:.1f} m lies outside the terrain, which "
+            f"reaches ±{self.half_extent_m[0]:.0f} m east and ±{self.half_extent_m[1]:.0f} m "
+            "north of its origin. Load it with a larger margin_m, or move the point."
+        )
