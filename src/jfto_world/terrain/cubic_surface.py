@@ -49,6 +49,17 @@ class CubicSurface:
             np.ascontiguousarray(filtered[keep, keep]), (rows, columns), x0, y0, step_x, step_y
         )
 
+    def transposed(self) -> CubicSurface:
+        """The same surface with x and y exchanged."""
+        return CubicSurface(
+            np.ascontiguousarray(self.coefficients.T),
+            (self.shape[1], self.shape[0]),
+            self.y0,
+            self.x0,
+            self.step_y,
+            self.step_x,
+        )
+
     def contains(self, x: Array, y: Array) -> NDArray[np.bool_]:
         """Whether points lie within the grid's nodes."""
         u, v = (x - self.x0) / self.step_x, (y - self.y0) / self.step_y

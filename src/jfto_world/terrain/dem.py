@@ -72,8 +72,8 @@ class Dem:
     def grid(self) -> tuple[Array, Array, Array]:
         """The surface's own nodes, for drawing: x (nx,), y (ny,), z (ny, nx)."""
         rows, columns = self.surface.shape
-        x = self.surface.x0 + self.surface.step_x * np.arange(columns)
-        y = self.surface.y0 + self.surface.step_y * np.arange(rows)
+        x = self.surface.x0 + self.surface.step_x * np.arange(columns, dtype=np.float64)
+        y = self.surface.y0 + self.surface.step_y * np.arange(rows, dtype=np.float64)
         return x, y, self.surface.height_and_gradient(*np.meshgrid(x, y))[0]
 
     def first_hit(

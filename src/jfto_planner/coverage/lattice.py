@@ -1,0 +1,78 @@
+"""Points on the ground for the centres of photos: a grid measured along the surface."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jfto_msgs_py.errors import InfeasibleError
+from jfto_world.terrain import CubicSurface
+
+Array = NDArray[np.float64]
+
+_SAMPLES_PER_SPACING = 12
+
+
+def surface_lattice(
+    surface: CubicSurface,
+    size_m: tuple[float, float],
+    spacing_m: tuple[float, float],
+    max_points: int,
+) -> Array:
+    """Points (W, 2), x and y, spaced at most `spacing_m` apart measured along the surface.
+
+    Rows run along x. The arc of every south-north profile is cut into equal parts, as many as the
+    longest needs: so rows bunch on steep ground. Each row, a curve on the surface, is then cut
+    into equal arcs of its own. Rows come from south to north, each from west to east.
+
+    Raises InfeasibleError beyond `max_points`.
+    """
+    flat_count = math.ceil(size_m[0] / spacing_m[0]) * math.ceil(size_m[1] / spacing_m[1])
+    _check_count(flat_count, max_points)
+    x = _samples(size_m[0], spacing_m[0])
+    y = _samples(size_m[1], spacing_m[1])
+    grid_x, grid_y = np.meshgrid(x, y)
+    z = surface.height_and_gradient(grid_x, grid_y)[0]
+
+    arcs = _cumulated(np.hypot(np.diff(y)[:, None], np.diff(z, axis=0)))
+    rows = math.ceil(arcs[-1].max() / spacing_m[1] - 1e-9)
+    row_y = np.stack([_cut(arcs[:, k], y, rows) for k in range(len(x))], axis=1)
+
+    points = []
+    for curve_y in row_y:
+        curve_z = surface.height_and_gradient(x, curve_y)[0]
+        steps = np.sqrt(np.diff(x) ** 2 + np.diff(curve_y) ** 2 + np.diff(curve_z) ** 2)
+        arc = _cumulated(steps[:, None])[:, 0]
+        row_x = _cut(arc, x, math.ceil(arc[-1] / spacing_m[0] - 1e-9))
+        points.append(np.stack([row_x, np.interp(row_x, x, curve_y)], axis=-1))
+        _check_count(sum(map(len, points)), max_points)
+    return np.concatenate(points)
+
+
+def _samples(length_m: float, spacing_m: float) -> Array:
+    count = max(64, math.ceil(_SAMPLES_PER_SPACING * length_m / spacing_m))
+    return np.linspace(-length_m / 2, length_m / 2, count + 1)
+
+
+def _cumulated(steps: Array) -> Array:
+    return np.concatenate([np.zeros((1, steps.shape[1])), np.cumsum(steps, axis=0)])
+
+
+def _cut(arc: Array, coordinate: Array, parts: int) -> Array:
+    """Coordinates of the middles of `parts` equal parts of a curve."""
+    return np.interp((np.arange(parts) + 0.5) / parts * arc[-1], arc, coordinate)
+
+
+def _check_count(count: int, max_points: int) -> None:
+    if count > max_points:
+        raise InfeasibleError(
+            f"The coverage needs more than {max_points} waypoints (at least {count}).",
+            cures=(
+                "a larger coverage.distance_m or gsd_m",
+                "smaller overlaps",
+                "a smaller area",
+                "a larger coverage.max_waypoints",
+            ),
+        )
