@@ -3,7 +3,9 @@
 from jfto_planner.coverage.camera import Camera
 from jfto_planner.coverage.certificate import CoverageCertificate, certify_coverage
 from jfto_planner.coverage.plan_coverage import Coverage, CoverageNote, plan_coverage
+from jfto_planner.coverage.random_waypoints import random_waypoints
 from jfto_planner.coverage.settings import CoverageSettings
+from jfto_planner.coverage.waypoint_file import read_waypoints
 
 __all__ = [
     "Camera",
@@ -13,4 +15,6 @@ __all__ = [
     "CoverageSettings",
     "certify_coverage",
     "plan_coverage",
+    "random_waypoints",
+    "read_waypoints",
 ]

@@ -70,9 +70,8 @@ def _check_count(count: int, max_points: int) -> None:
         raise InfeasibleError(
             f"The coverage needs more than {max_points} waypoints (at least {count}).",
             cures=(
-                "a larger coverage.distance_m or gsd_m",
-                "smaller overlaps",
-                "a smaller area",
-                "a larger coverage.max_waypoints",
+                "a larger coverage.distance_m or coverage.gsd_cm",
+                "smaller coverage.overlap_h and coverage.overlap_v",
+                "a smaller terrain.size_m",
             ),
         )

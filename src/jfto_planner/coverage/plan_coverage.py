@@ -74,7 +74,7 @@ def plan_coverage(
     if not waypoints:
         raise InfeasibleError(
             f"No camera position is possible: {notes[0].reason} for all {len(notes)} waypoints.",
-            cures=("another coverage.distance_m", "a smaller coverage.min_height_m"),
+            cures=("another coverage.distance_m", "a smaller coverage.height_min_m"),
         )
 
     def certify(step: int) -> CoverageCertificate:
@@ -88,7 +88,8 @@ def plan_coverage(
     certificate = certify(0)
     for step in range(1, _FILL_ROUNDS + 1):
         room = min(max(1, len(waypoints) // 20), settings.max_waypoints - len(waypoints))
-        if certificate.seen_once >= settings.min_seen_once or room <= 0:
+        enough = certificate.seen_once >= settings.min_seen_once
+        if enough or room <= 0 or not settings.fill_gaps:
             break
         gaps = gap_centres(certificate, min(footprint), room)
         more, more_notes = placer.place(gaps, len(waypoints), "the grid left ground here unseen")

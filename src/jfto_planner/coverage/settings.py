@@ -17,8 +17,8 @@ class CoverageSettings:
     is 0 at the horizon and -90 straight down. Normals are those of the surface smoothed over
     `smoothing_m` (a Gaussian's standard deviation; None: 0.3 of the footprint's mean side). Where
     it is flatter than `level_below_deg` the camera looks straight down, with a fixed yaw, so
-    that level ground is photographed in parallel. While less than `min_seen_once` of the area is
-    seen, photos are added where the regular grid leaves ground unseen; 0 switches that off.
+    that level ground is photographed in parallel. With `fill_gaps`, photos are added where the
+    regular grid leaves ground unseen, until `min_seen_once` of the area is seen.
     """
 
     overlap_h: float = 0.3
@@ -31,6 +31,7 @@ class CoverageSettings:
     gimbal_pitch_max_deg: float = 20.0
     smoothing_m: float | None = None
     level_below_deg: float = 3.0
+    fill_gaps: bool = True
     min_seen_once: float = 0.99
     max_waypoints: int = 5000
 
@@ -47,22 +48,20 @@ class CoverageSettings:
         for name in ("min_height_m", "clearance_radius_m", "level_below_deg"):
             value = getattr(self, name)
             if not (math.isfinite(value) and value >= 0):
-                raise InputError(f"coverage.{name} is {value}, must be 0 or more.")
+                raise InputError(f"{name} is {value}, must be 0 or more.")
         if not 0 <= self.min_seen_once <= 1:
-            raise InputError(
-                f"coverage.min_seen_once is {self.min_seen_once}, must be a share from 0 to 1."
-            )
+            raise InputError(f"min_seen_once is {self.min_seen_once}, must be a share from 0 to 1.")
         low, high = self.gimbal_pitch_min_deg, self.gimbal_pitch_max_deg
         if not -90 <= low <= high <= 90:
             raise InputError(
-                f"coverage.gimbal_pitch_min_deg, _max_deg are {low}, {high}: must rise and lie "
+                f"gimbal_pitch_min_deg, _max_deg are {low}, {high}: must rise and lie "
                 "within -90 (down) to 90 (up)."
             )
 
     def _check_positive(self, name: str) -> None:
         value = getattr(self, name)
         if value is not None and not (math.isfinite(value) and value > 0):
-            raise InputError(f"coverage.{name} is {value}, must be positive.")
+            raise InputError(f"{name} is {value}, must be positive.")
 
     def distance_for(self, camera: Camera) -> float:
         """Distance to the surface in metres, given or from the ground resolution."""
