@@ -20,8 +20,8 @@ class CameraPart:
     )
     footprint_m: tuple[float, ...] = param(
         (),
-        "Width and height of the ground that one image must cover. Overrides coverage.distance_m "
-        "and coverage.gsd_cm.",
+        "Width and height of the ground in one image at coverage.distance_m, instead of "
+        "camera.sensor_mm and camera.focal_length_mm.",
         unit="m",
         low=0.1,
         high=5000.0,
@@ -35,7 +35,7 @@ class CoveragePart:
 
     distance_m: float = param(
         0.0,
-        "Distance from the surface along its normal. 0: from coverage.gsd_cm.",
+        "Distance from the surface along its normal; 0: the distance that gives coverage.gsd_cm.",
         unit="m",
         low=0.0,
         high=2000.0,
@@ -56,10 +56,17 @@ class CoveragePart:
     height_min_m: float = param(
         20.0, "Least height above ground of any waypoint.", unit="m", low=0.0, high=2000.0
     )
-    tilt_max_deg: float = param(
-        60.0,
-        "Greatest tilt of the gimbal away from straight down.",
-        unit="deg",
+    clearance_radius_m: float = param(
+        30.0,
+        "Radius around a waypoint within which coverage.height_min_m holds.",
+        unit="m",
         low=0.0,
-        high=90.0,
+        high=1000.0,
     )
+    pitch_min_deg: float = param(
+        -90.0, "Lowest gimbal pitch; -90 is straight down.", unit="deg", low=-90.0, high=90.0
+    )
+    pitch_max_deg: float = param(
+        20.0, "Highest gimbal pitch; 0 is the horizon.", unit="deg", low=-90.0, high=90.0
+    )
+    fill_gaps: bool = param(True, "Add waypoints where the regular grid leaves ground unseen.")

@@ -56,9 +56,20 @@ class SearchPart:
     )
 
 
+PAPER_SCENES = ("none", "small", "wanglang", "wanglang_gaussian", "wanghai")
+
+
 @dataclass(frozen=True)
 class EvaluationPart:
     """How the four topology algorithms are compared."""
 
-    n_dc: int = param(45, "Slot at which one UAV is lost for ξ, n_DC.", low=0, high=10_000)
-    slot_shown: int = param(45, "Slot whose topology is drawn.", low=0, high=10_000)
+    n_dc: int = param(
+        45, "Slot at which one UAV is lost for ξ, n_DC.", low=0, high=10_000, hashed=False
+    )
+    slot_shown: int = param(45, "Slot whose topology is drawn.", low=0, high=10_000, hashed=False)
+    paper_scene: str = param(
+        "none",
+        "Scene of the paper whose figures are printed beside ours.",
+        choices=PAPER_SCENES,
+        hashed=False,
+    )

@@ -32,3 +32,6 @@ class TerrainPart:
         high=50_000.0,
         length=2,
     )
+    zero_is_void: bool = param(
+        True, "Take heights of exactly 0 for missing data, as many files do. Off at the sea."
+    )

@@ -145,7 +145,20 @@ def _check_together(values: dict[str, Any], given: Layer, problems: list[str]) -
             "terrain.center_deg",
             f"has latitude {center[0]:g}, outside -90…90 deg. Give latitude before longitude.",
         )
+    _check_camera(values, complain)
     _check_starts(values, complain)
+
+
+def _check_camera(values: dict[str, Any], complain: Any) -> None:
+    if _value(values, "camera.footprint_m") and not _value(values, "coverage.distance_m"):
+        complain("camera.footprint_m", "needs coverage.distance_m: the distance it holds for.")
+    low, high = _value(values, "coverage.pitch_min_deg"), _value(values, "coverage.pitch_max_deg")
+    if low > high:
+        complain(
+            "coverage.pitch_min_deg",
+            f"is {low:g}, above coverage.pitch_max_deg, {high:g}. Exchange them.",
+            "coverage.pitch_max_deg",
+        )
 
 
 def _check_starts(values: dict[str, Any], complain: Any) -> None:

@@ -1,0 +1,1 @@
+"""Figures fit for a paper: one file per figure, one style for all."""

@@ -1,0 +1,94 @@
+"""Map of the terrain with everybody's route."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from jfto.figures.relief import draw_north_arrow, draw_relief, draw_scale_bar, drawn_extent
+from jfto.figures.style import (
+    PAGE_WIDTH_IN,
+    new_figure,
+    styled,
+    uav_colour,
+    uav_dash,
+    uav_marker,
+    uav_marker_size,
+)
+from jfto_msgs_py.plan import Plan
+from jfto_world.terrain import Dem
+
+
+@styled
+def route_map(plan: Plan, dem: Dem) -> Figure:
+    """Hillshade, routes with their direction, waypoints and pads."""
+    points = np.array(
+        [w.position_m for w in plan.waypoints] + [uav.start_m for uav in plan.uavs], dtype=float
+    )
+    extent = drawn_extent(dem, points)
+    ratio = extent[1] / extent[0]
+    figure = new_figure(PAGE_WIDTH_IN, min(8.5, 0.59 * PAGE_WIDTH_IN * ratio + 0.5))
+    axes = figure.add_subplot()
+    draw_relief(axes, dem, extent)
+    by_id = {waypoint.id: waypoint.position_m for waypoint in plan.waypoints}
+    for index, (uav, route) in enumerate(zip(plan.uavs, plan.routes, strict=True)):
+        line = np.array([uav.start_m, *(by_id[number] for number in route.waypoint_ids)])
+        colour = uav_colour(index)
+        axes.plot(*line[:, :2].T, color="white", linewidth=2.6, alpha=0.85, zorder=3)
+        label = f"{uav.id}  {route.length_m / 1000:.2f} km, {len(route.waypoint_ids)} waypoints"
+        axes.plot(
+            *line[:, :2].T,
+            color=colour,
+            linestyle=uav_dash(index),
+            marker=uav_marker(index),
+            markersize=uav_marker_size(index, 3.4),
+            markeredgecolor="white",
+            markeredgewidth=0.3,
+            linewidth=1.3,
+            zorder=4,
+            label=label,
+        )
+        _draw_direction(axes, line, colour)
+        axes.plot(
+            *line[0, :2],
+            marker="s",
+            markersize=7,
+            markerfacecolor="white",
+            markeredgecolor=colour,
+            markeredgewidth=1.6,
+            zorder=5,
+        )
+    axes.plot(
+        [], [], "s", markersize=6, markerfacecolor="white", markeredgecolor="black", label="pad"
+    )
+    axes.set_xlabel("East of origin (m)")
+    axes.set_ylabel("North of origin (m)")
+    draw_scale_bar(axes)
+    draw_north_arrow(axes, outside=True)
+    axes.legend(
+        loc="upper left",
+        bbox_to_anchor=(1.02, 1.0),
+        borderaxespad=0.0,
+        title=f"{plan.total_length_m / 1000:.2f} km in all",
+        alignment="left",
+    )
+    return figure
+
+
+def _draw_direction(axes: object, line: np.ndarray, colour: str) -> None:
+    """Arrow heads at a quarter, half and three quarters of a route."""
+    steps = np.linalg.norm(np.diff(line[:, :2], axis=0), axis=1)
+    along = np.concatenate([[0.0], np.cumsum(steps)])
+    if along[-1] <= 0:
+        return
+    for part in (0.2, 0.5, 0.8):
+        leg = min(int(np.searchsorted(along, part * along[-1])), len(steps)) - 1
+        start, end = line[max(leg, 0), :2], line[max(leg, 0) + 1, :2]
+        middle = 0.5 * (start + end)
+        axes.annotate(  # type: ignore[attr-defined]
+            "",
+            xy=middle + 0.001 * (end - start),
+            xytext=middle,
+            arrowprops={"arrowstyle": "-|>", "color": colour, "linewidth": 1.2},
+            zorder=6,
+        )

@@ -1,0 +1,161 @@
+"""Topology, power and metrics of a plan under all four algorithms."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jfto.comparison import ALGORITHMS, OURS, AlgorithmResult, Comparison
+from jfto.progress import Watcher
+from jfto.stages.network import Network, network_of
+from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.units import ratio_to_db
+from jfto_power import Allocation, EnergyShortage, allocate, allocate_prefix
+from jfto_topology import PoweredTopology, Topology, a_lmst, cpapo, ctop, mtp
+from jfto_topology.metrics import average_hops, connectivity_rate, energy_used, slot_throughput
+from jfto_world.radio import degrees
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+
+def compare(plan: Plan, n_dc: int, watcher: Watcher) -> Comparison:
+    """All algorithms on the plan's positions and budgets; raises InputError."""
+    network = network_of(plan)
+    watcher.begin("topology", "C-TOP")
+    topology = ctop(
+        network.positions_m,
+        network.channel,
+        network.p_max_w,
+        network.sensitivity_w,
+        plan.k_min,
+        plan.delta,
+    )
+    notes = _topology_notes(plan, topology)
+    degree = degrees(topology.adjacency)
+    watcher.end(
+        "topology",
+        f"{plan.slots.count} slots",
+        f"degree {degree.min()}–{degree.max()}, "
+        + ("always connected" if topology.connected.all() else "not always connected"),
+        good=not notes,
+    )
+    watcher.begin("power", "exact allocation")
+    allocation = _allocate(plan, network, topology, notes)
+    ours = _ours(plan, network, topology, allocation, n_dc)
+    share = 100 * ours.energy_j / network.energy_j
+    watcher.end(
+        "power",
+        f"{ours.mean_throughput_mbps:.4g} Mb/s",
+        f"energy {share.min():.0f}–{share.max():.0f} % of budget",
+        good=ours.traverses_all,
+    )
+    watcher.begin("compare", "MTP, A-LMST, CPAPO")
+    results = [*_baselines(plan, network, n_dc), ours]
+    watcher.end("compare", "4 algorithms", _ratios(results))
+    weaker = np.minimum(allocation.power_w[:, :, None], allocation.power_w[:, None, :])
+    margin = ratio_to_db(weaker * network.gain / network.sensitivity_w)
+    return Comparison(
+        results=tuple(sorted(results, key=lambda result: ALGORITHMS.index(result.name))),
+        gain=network.gain,
+        reach=topology.reach,
+        margin_db=np.where(ours.adjacency, margin, np.nan),
+        n_dc=n_dc,
+        notes=tuple(notes),
+    )
+
+
+def _allocate(plan: Plan, network: Network, topology: Topology, notes: list[str]) -> Allocation:
+    """Best powers; where the energy does not last, those of the longest prefix that it does."""
+    try:
+        return allocate(
+            topology.adjacency,
+            network.gain,
+            topology.p_min_w,
+            topology.p_upper_w,
+            network.energy_j,
+            plan.slots.duration_s,
+            plan.radio,
+            names=tuple(uav.id for uav in plan.uavs),
+        )
+    except EnergyShortage as shortage:
+        notes.append(str(shortage))
+        return allocate_prefix(
+            topology.adjacency,
+            network.gain,
+            topology.p_min_w,
+            topology.p_upper_w,
+            network.energy_j,
+            plan.slots.duration_s,
+            plan.radio,
+        )
+
+
+def _ours(
+    plan: Plan, network: Network, topology: Topology, allocation: Allocation, n_dc: int
+) -> AlgorithmResult:
+    held = np.arange(plan.slots.count + 1) <= allocation.slots_held
+    on_air = np.broadcast_to(held[:, None], allocation.power_w.shape)
+    adjacency = topology.adjacency & held[:, None, None]
+    return _result(plan, network, OURS, adjacency, allocation.power_w, on_air, n_dc)
+
+
+def _baselines(plan: Plan, network: Network, n_dc: int) -> list[AlgorithmResult]:
+    shared = (network.positions_m, network.channel, network.p_max_w, network.sensitivity_w)
+    budget = (network.energy_j, plan.slots.duration_s)
+    powered: dict[str, PoweredTopology] = {
+        "MTP": mtp(*shared, *budget),
+        "A-LMST": a_lmst(*shared, *budget, network.speed_mps),
+        "CPAPO": cpapo(*shared, *budget),
+    }
+    return [
+        _result(plan, network, name, played.adjacency, played.power_w, played.on_air, n_dc)
+        for name, played in powered.items()
+    ]
+
+
+def _result(
+    plan: Plan,
+    network: Network,
+    name: str,
+    adjacency: Flags,
+    power_w: Array,
+    on_air: Flags,
+    n_dc: int,
+) -> AlgorithmResult:
+    return AlgorithmResult(
+        name=name,
+        adjacency=adjacency,
+        power_w=power_w,
+        throughput_bps=slot_throughput(adjacency, network.gain, power_w, plan.radio),
+        degree=degrees(adjacency),
+        energy_j=energy_used(power_w, plan.slots.duration_s),
+        traverses_all=bool(on_air.all()),
+        connectivity_rate=connectivity_rate(adjacency, n_dc, on_air),
+        hops=average_hops(adjacency),
+    )
+
+
+def _topology_notes(plan: Plan, topology: Topology) -> list[str]:
+    """What C-TOP could not keep, the first UAV and slot of each kind named."""
+    ids = [uav.id for uav in plan.uavs]
+    notes = []
+    for flags, text in (
+        (topology.deficit, f"has fewer than {plan.k_min} neighbours within reach"),
+        (topology.over_degree, f"needs more than {plan.k_min + plan.delta} neighbours"),
+    ):
+        where = np.argwhere(flags)
+        if where.size:
+            slot, uav = where[0]
+            more = f", and {len(where) - 1} more cases" if len(where) > 1 else ""
+            notes.append(f"{ids[uav]} {text} in slot {slot}{more}.")
+    apart = np.flatnonzero(~topology.connected)
+    if apart.size:
+        notes.append(f"The fleet is not connected in {apart.size} slots, first in slot {apart[0]}.")
+    return notes
+
+
+def _ratios(results: list[AlgorithmResult]) -> str:
+    ours = results[-1].mean_throughput_mbps
+    others = (f"{ours / other.mean_throughput_mbps:.2f} × {other.name}" for other in results[:-1])
+    return "throughput " + ", ".join(others)

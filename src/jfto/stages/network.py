@@ -1,0 +1,65 @@
+"""The radio side of a plan: arrays that topology and power work on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.units import dbm_to_w
+from jfto_topology import energy_floor
+from jfto_world.radio import LogDistanceChannel, make_channel, pairwise_distances
+
+Array = NDArray[np.float64]
+EnergyFloor = Callable[[Array, float], Array]
+
+
+@dataclass(frozen=True)
+class Network:
+    """Channel, limits and link gains of a plan; slots n = 0 … N on axis 0, UAVs on axis 1.
+
+    `positions_m` is (N + 1, A, 3), `gain` (N + 1, A, A) linear, `p_max_w`, `energy_j` and
+    `speed_mps` (A,).
+    """
+
+    channel: LogDistanceChannel
+    positions_m: Array
+    gain: Array
+    p_max_w: Array
+    sensitivity_w: float
+    energy_j: Array
+    speed_mps: Array
+
+
+def network_of(plan: Plan) -> Network:
+    """Arrays of a plan."""
+    channel = make_channel(plan.radio)
+    positions = np.ascontiguousarray(np.moveaxis(plan.positions_m, 0, 1))
+    return Network(
+        channel=channel,
+        positions_m=positions,
+        gain=channel.gain(pairwise_distances(positions)),
+        p_max_w=dbm_to_w(np.array([uav.p_max_dbm for uav in plan.uavs])),
+        sensitivity_w=float(dbm_to_w(plan.radio.sensitivity_dbm)),
+        energy_j=np.array([uav.energy_j for uav in plan.uavs]),
+        speed_mps=np.array([uav.speed_mps for uav in plan.uavs]),
+    )
+
+
+def energy_floor_of(
+    radio: Radio, p_max_dbm: tuple[float, ...], k_min: int, delta: int
+) -> EnergyFloor:
+    """C-TOP's least energy as a function of positions and slot length, for planner and check."""
+    return partial(
+        energy_floor,
+        channel=make_channel(radio),
+        p_max_w=dbm_to_w(np.array(p_max_dbm)),
+        sensitivity_w=float(dbm_to_w(radio.sensitivity_dbm)),
+        k_min=k_min,
+        delta=delta,
+    )
