@@ -1,1 +1,3 @@
-"""The front: command line, scenario, pipeline and report."""
+"""The front: command line, scenarios, pipeline, figures and report."""
+
+__version__ = "0.1.0"

@@ -1,0 +1,5 @@
+"""The `jfto` command."""
+
+from jfto.cli.main import main
+
+__all__ = ["main"]

@@ -1,0 +1,44 @@
+"""Arguments and options that several commands share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from jfto.scenario_file import LoadedScenario
+
+Function = Callable[..., Any]
+
+# Existence and kind of files are checked where they are read, with better words.
+_PATH = click.Path(path_type=Path)
+
+scenario_argument = click.argument("scenario", type=_PATH)
+set_option = click.option(
+    "--set",
+    "overrides",
+    metavar="KEY=VALUE",
+    multiple=True,
+    help="Override a scenario key; may be repeated. docs/scenario.md lists them.",
+)
+seed_option = click.option(
+    "--seed", type=click.IntRange(0), metavar="N", help="Seed of the search; search.seed if absent."
+)
+json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON for programs.")
+debug_option = click.option("--debug", is_flag=True, hidden=True, help="Show tracebacks.")
+
+
+def out_option(kind: str, default: str) -> Callable[[Function], Function]:
+    """Option -o/--out that names where results go."""
+    return click.option("-o", "--out", type=_PATH, metavar=kind, help=f"Default: {default}.")
+
+
+def load(scenario: Path, overrides: tuple[str, ...], seed: int | None = None) -> LoadedScenario:
+    """The scenario of a command line."""
+    from jfto.scenario_file import load_scenario
+
+    seeding = () if seed is None else (f"search.seed={seed}",)
+    return load_scenario(scenario, (*overrides, *seeding))
