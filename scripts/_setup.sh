@@ -1,0 +1,64 @@
+# Sourced by demo, test and check: leaves a ready .venv in $venv, or says what is missing and exits.
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+venv=$root/.venv
+cd "$root"
+
+fail() {
+    printf '%s\n' "$@" >&2
+    exit 1
+}
+
+# Newest supported interpreter, or $PYTHON where that is set.
+find_python() {
+    local candidate
+    for candidate in ${PYTHON:-python3.12 python3.11 python3.10 python3}; do
+        if "$candidate" -c 'import sys; sys.exit(not (3, 10) <= sys.version_info < (3, 13))' \
+            2>/dev/null; then
+            printf '%s\n' "$candidate"
+            return
+        fi
+    done
+    fail "JFTO needs Python 3.10, 3.11 or 3.12; $(python3 --version 2>&1 || true) was found." \
+        "Install one, or name it: PYTHON=/path/to/python3.12 $0"
+}
+
+# Debian and Ubuntu split venv from Python.
+need_venv_module() {
+    "$1" -c 'import ensurepip, venv' 2>/dev/null && return
+    local version
+    version=$("$1" -c 'import sys; print("%d.%d" % sys.version_info[:2])')
+    fail "Python $version has no venv module. Install the system package and run this again:" \
+        "    sudo apt install python$version-venv"
+}
+
+# What the installed set depends on: the declared requirements, the pins, and where it lies.
+wanted_stamp() {
+    { printf '%s\n' "$root"; cat setup.cfg setup.py pyproject.toml constraints.txt; } |
+        sha256sum | cut -d ' ' -f 1
+}
+
+set_up() {
+    local python log begin seconds
+    python=$(find_python)
+    need_venv_module "$python"
+    begin=$SECONDS
+    log=$venv/setup.log
+    printf 'Setting up .venv (once; log in .venv/setup.log) … '
+    # A .venv that an interrupted run left half made cannot even start pip.
+    "$venv/bin/python" -m pip --version >/dev/null 2>&1 || rm -rf "$venv"
+    [ -d "$venv" ] || "$python" -m venv "$venv" || fail "" "$python could not make $venv."
+    rm -f "$venv/stamp"
+    if ! "$venv/bin/python" -m pip install --disable-pip-version-check --quiet \
+        --constraint constraints.txt --editable '.[bench,dev]' >"$log" 2>&1; then
+        fail "failed." "$(grep -v '^WARNING' "$log" | tail -n 8)" \
+            "Check the network connection and the log .venv/setup.log, then run this again."
+    fi
+    wanted_stamp >"$venv/stamp"
+    seconds=$((SECONDS - begin))
+    printf '%d min %02d s\n' $((seconds / 60)) $((seconds % 60))
+}
+
+if [ "$(cat "$venv/stamp" 2>/dev/null)" != "$(wanted_stamp)" ] || [ ! -x "$venv/bin/jfto" ]; then
+    set_up
+fi
