@@ -1,0 +1,159 @@
+"""A whole route flown: the planner's clock slows when the vehicle cannot follow."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from jfto_msgs_py.errors import InfeasibleError
+from jfto_world.motion.arducopter.follower import (
+    THRUST,
+    clock_step,
+    follow_step,
+    follower_parameters,
+    hover_state,
+)
+from jfto_world.motion.arducopter.leg_profile import DURATION, along_leg
+from jfto_world.motion.arducopter.target import plan_target, route_arrays
+from jfto_world.motion.arducopter.wpnav import Airframe, WpNav
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+_SLOWEST_CLOCK = 0.1
+_SETTLE_MAX_S = 60.0
+
+
+@dataclass(frozen=True)
+class Flight:
+    """A flown route: `reached_s` (M,) and the vehicle's track, sampled every `step_s` from 0.
+
+    `position_m` and `velocity_mps` are (K, 3); `target_m` (K, 3) is what the planner asked for;
+    `tilt_accel_mps2` (K,) is the horizontal acceleration made by tilting.
+    """
+
+    reached_s: Array
+    step_s: float
+    position_m: Array
+    velocity_mps: Array
+    target_m: Array
+    tilt_accel_mps2: Array
+
+    def positions(self, times_s: Array) -> Array:
+        """Positions at the given times, (T, 3), linear between samples, held before and after."""
+        grid = np.arange(len(self.position_m)) * self.step_s
+        return np.stack([np.interp(times_s, grid, self.position_m[:, k]) for k in range(3)], -1)
+
+
+def fly_route(
+    points_m: Array,
+    wpnav: WpNav,
+    airframe: Airframe | None = None,
+    *,
+    stop: Flags | None = None,
+    hold_s: Array | None = None,
+    wind_mps: tuple[float, float] = (0.0, 0.0),
+    step_s: float = 0.02,
+) -> Flight:
+    """Fly a route in closed loop, from a hover at its first point.
+
+    Arguments as `plan_target`; `wind_mps` (east, north) is where the air moves to. A stop counts
+    as reached once the target rests there and the vehicle is within the waypoint radius; then the
+    hold runs. Raises InfeasibleError where the vehicle never gets there (wind beyond its tilt).
+    """
+    points, stops, holds = route_arrays(points_m, stop, hold_s)
+    track = plan_target(points, wpnav, stops, holds)
+    parameters = follower_parameters(wpnav, airframe or Airframe())
+    budget = track.duration_s / _SLOWEST_CLOCK + _SETTLE_MAX_S * (len(points) + 1)
+    record = np.zeros((int(np.ceil(budget / step_s)) + 1, 10))
+    reached = np.zeros(len(points))
+    state = hover_state(points[0])
+    count = _fly(
+        points, track.legs, track.half_overlap_s, stops, holds, wpnav.radius_m, parameters,
+        np.array(wind_mps, dtype=np.float64), step_s, state, reached, record,
+    )  # fmt: skip
+    if count == 0:
+        late = int(np.argmax(reached[1:] == 0)) + 1
+        raise InfeasibleError(
+            f"Point {late} of the route is not reached within {budget:.0f} s: the wind of "
+            f"{np.hypot(*wind_mps):.1f} m/s and the route's speeds ask for more tilt than "
+            f"{wpnav.angle_max_deg:g}°.",
+            cures=("lower the speed", "raise the tilt limit", "wait for less wind"),
+        )
+    kept = record[:count].copy()
+    return Flight(reached, step_s, kept[:, :3], kept[:, 3:6], kept[:, 6:9], kept[:, 9])
+
+
+# compiled anew in each process: the compiler's cache would miss changes in the files called
+@njit
+def _aim(points: Array, legs: Array, elapsed: Array, leg: int, target: Array) -> None:
+    """Target from the previous leg, this leg and the next, each at its own time `elapsed`."""
+    first = max(leg - 1, 0)
+    target[:] = 0.0
+    target[0] = points[first]
+    for k in range(first, min(leg + 2, len(legs))):
+        x, w, a = along_leg(legs[k], elapsed[k])
+        for axis in range(3):
+            target[0, axis] += x * legs[k, axis]
+            target[1, axis] += w * legs[k, axis]
+            target[2, axis] += a * legs[k, axis]
+
+
+@njit
+def _fly(
+    points: Array,
+    legs: Array,
+    half_s: Array,
+    stop: Flags,
+    hold_s: Array,
+    radius_m: float,
+    parameters: Array,
+    wind: Array,
+    dt_s: float,
+    state: Array,
+    reached_s: Array,
+    record: Array,
+) -> int:
+    """Fill `record` and `reached_s`; returns the number of steps, or 0 if they did not suffice."""
+    count = len(legs)
+    elapsed = np.zeros(count)
+    target = np.zeros((3, 3))
+    target[0] = points[0]
+    leg, waiting = 0, -1.0
+    for i in range(len(record)):
+        record[i, :6] = state[:6]
+        record[i, 6:9] = target[0]
+        record[i, 9] = np.hypot(state[THRUST], state[THRUST + 1])
+        if leg == count:
+            return i + 1
+        now = (i + 1) * dt_s
+        step = clock_step(state, target, parameters, dt_s) * dt_s
+        follow_step(state, target, parameters, wind[0], wind[1], dt_s)
+        first = max(leg - 1, 0)
+        if leg > 0:
+            elapsed[first] += step
+        elapsed[leg] += step
+        rest = legs[leg, DURATION] - elapsed[leg]
+        over = half_s[leg + 1]
+        if over > 0.0 and rest <= 2.0 * over:
+            elapsed[leg + 1] = 2.0 * over - rest
+        _aim(points, legs, elapsed, leg, target)
+        if not stop[leg + 1]:
+            if rest <= over:
+                leg += 1
+                reached_s[leg] = now
+        elif rest <= 0.0:
+            if waiting < 0.0:
+                away = points[leg + 1] - state[:3]
+                if np.sqrt(np.sum(away * away)) <= radius_m:
+                    waiting = 0.0
+            else:
+                waiting += dt_s
+            if waiting >= hold_s[leg + 1]:
+                leg += 1
+                reached_s[leg] = now
+                waiting = -1.0
+    return 0
