@@ -1,0 +1,1 @@
+"""RL-TP: the learned trajectory planner (section "Trajectory Design", Algorithm 1)."""

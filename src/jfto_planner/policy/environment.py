@@ -1,0 +1,262 @@
+"""Building the routes of a whole fleet step by step, many problems and rollouts at once.
+
+At each step the UAV that is free first chooses its next waypoint, or stops for good. So when it
+chooses, what all others do until then is already decided, and the neighbour rule (P1kmin) can be
+checked for everyone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from jfto_planner.policy.instance import InstanceBatch
+
+# Where, within the time that a choice decides for the whole fleet, the neighbour rule is checked.
+CHECKED_FRACTIONS = (0.5, 1.0)
+STATE_FEATURES = 9
+
+
+@dataclass(frozen=True)
+class Observation:
+    """What a choice can be based on; B problems × P rollouts.
+
+    `active` (B, P) is the UAV that chooses. `allowed` (B, P, W + 1) marks its choices, the last
+    being to stop, and `keeps_rule` those that leave every UAV its K_min neighbours. `node`
+    (B, P, A) is the node each UAV flies to (starts first, then waypoints). `state`
+    (B, P, STATE_FEATURES) holds the paper's T and K, `pair` (B, P, W, 4) what relates the UAV to
+    each waypoint.
+    """
+
+    active: Tensor
+    allowed: Tensor
+    keeps_rule: Tensor
+    node: Tensor
+    state: Tensor
+    pair: Tensor
+
+
+class Episode:
+    """State of B × P rollouts; `visited` (B, P, W), `length` (B, P) in extents.
+
+    `misses` (B, P) counts choices that broke the neighbour rule for want of a better one, `late`
+    (B, P) sums the time by which UAVs overran T_a,max. Rollouts end after A + W steps.
+    """
+
+    def __init__(self, batch: InstanceBatch, rollouts: int) -> None:
+        self.batch = batch
+        shape = (batch.size, rollouts)
+        start = batch.start_points[:, None].expand(-1, rollouts, -1, -1)
+        self.origin = start.clone()
+        self.target = start.clone()
+        self.depart = start.new_zeros(start.shape[:-1])
+        self.arrive = start.new_zeros(start.shape[:-1])
+        self.done = ~batch.uav_valid[:, None].expand(-1, rollouts, -1)
+        self.visited = ~batch.waypoint_valid[:, None].expand(-1, rollouts, -1)
+        self.node = batch.start_of[:, None].expand(-1, rollouts, -1).clone()
+        self.length = start.new_zeros(shape)
+        self.misses = start.new_zeros(shape)
+        self.late = start.new_zeros(shape)
+        self._pair_reach = batch.pair_reach[:, None]
+        # Padding has no reach, so it is no one's neighbour; it needs none itself.
+        self._need = (batch.k_min[:, None] * batch.uav_valid)[:, None]
+        self._leg: dict[str, Tensor] = {}
+
+    @property
+    def steps(self) -> int:
+        """Steps until every rollout has ended."""
+        return self.visited.shape[-1] + self.done.shape[-1]
+
+    def observe(self) -> Observation:
+        """What the UAV that is free first may choose."""
+        clock = torch.where(self.done, torch.inf, self.arrive)
+        # Rollouts that ended early keep stopping their first UAV; that changes nothing.
+        now, active = clock.min(-1)
+        now = torch.where(torch.isfinite(now), now, 0.0)
+        here = _pick(self.target, active)
+        others_free = clock.scatter(-1, active[..., None], torch.inf).amin(-1)
+        step = self.batch.waypoints[:, None] - here[..., None, :]
+        duration = self._leg_time(step, active)
+        distance = step.norm(dim=-1)
+        keeps_rule, degree = self._keeps_rule(active, now, others_free, here, step, duration)
+        allowed = self._allowed(active, now, duration, others_free, keeps_rule)
+        self._leg = {"active": active, "now": now, "duration": duration, "distance": distance}
+        self._leg["keeps_rule"] = keeps_rule
+        state = self._state_features(active, now, others_free, degree)
+        pair = self._pair_features(active, now, duration, distance)
+        return Observation(active, allowed, keeps_rule, self.node, state, pair)
+
+    def step(self, choice: Tensor) -> None:
+        """Carry out one choice (B, P) of the last observation: a waypoint, or W to stop."""
+        leg = self._leg
+        count = self.visited.shape[-1]
+        moves = choice < count
+        waypoint = choice.clamp(max=count - 1)
+        active = leg["active"][..., None]
+        duration = leg["duration"].gather(-1, waypoint[..., None]).squeeze(-1)
+        distance = leg["distance"].gather(-1, waypoint[..., None]).squeeze(-1)
+        ended = self.done.all(-1)
+        arrival = leg["now"] + duration
+        t_max = self.batch.t_max[:, None].expand_as(self.arrive).gather(-1, active).squeeze(-1)
+        broke = ~leg["keeps_rule"].gather(-1, choice[..., None]).squeeze(-1) & ~ended
+        self.misses = self.misses + broke
+        self.length = self.length + torch.where(moves, distance, 0.0)
+        overrun = (arrival - t_max).clamp(min=0) - (leg["now"] - t_max).clamp(min=0)
+        self.late = self.late + torch.where(moves, overrun, 0.0)
+        here = _pick(self.target, leg["active"])
+        there = self.batch.waypoints[:, None].expand(-1, choice.shape[1], -1, -1)
+        there = there.gather(2, waypoint[..., None, None].expand(-1, -1, 1, 3)).squeeze(2)
+        self._move(active, moves, leg["now"], arrival, here, there, waypoint)
+
+    def _move(
+        self,
+        active: Tensor,
+        moves: Tensor,
+        now: Tensor,
+        arrival: Tensor,
+        here: Tensor,
+        there: Tensor,
+        waypoint: Tensor,
+    ) -> None:
+        """Send the active UAV on its leg, or let it hold for good."""
+        vector = active[..., None].expand(-1, -1, 1, 3)
+        self.origin = self.origin.scatter(2, vector, here[..., None, :])
+        goal = torch.where(moves[..., None], there, here)
+        self.target = self.target.scatter(2, vector, goal[..., None, :])
+        self.depart = self.depart.scatter(2, active, now[..., None])
+        until = torch.where(moves, arrival, now)
+        self.arrive = self.arrive.scatter(2, active, until[..., None])
+        was_done = self.done.gather(2, active).squeeze(-1)
+        self.done = self.done.scatter(2, active, (was_done | ~moves)[..., None])
+        seen = self.visited.gather(2, waypoint[..., None]).squeeze(-1)
+        self.visited = self.visited.scatter(2, waypoint[..., None], (seen | moves)[..., None])
+        old = self.node.gather(2, active).squeeze(-1)
+        new = torch.where(moves, waypoint + self.batch.starts.shape[1], old)
+        self.node = self.node.scatter(2, active, new[..., None])
+
+    def _leg_time(self, step: Tensor, active: Tensor) -> Tensor:
+        """Time of the direct legs (B, P, W) of the active UAV, as in ConstantSpeed."""
+
+        def of_active(values: Tensor) -> Tensor:
+            wide = values[:, None].expand(-1, active.shape[1], -1)
+            return wide.gather(-1, active[..., None])
+
+        level = step[..., :2].norm(dim=-1) / of_active(self.batch.speed)
+        rise = step[..., 2]
+        climb, descent = of_active(self.batch.climb), of_active(self.batch.descent)
+        return torch.maximum(level, torch.where(rise > 0, rise / climb, -rise / descent))
+
+    def _keeps_rule(
+        self,
+        active: Tensor,
+        now: Tensor,
+        others_free: Tensor,
+        here: Tensor,
+        step: Tensor,
+        duration: Tensor,
+    ) -> tuple[Tensor, Tensor]:
+        """Choices (B, P, W + 1) that keep K_min neighbours for everyone while they are decided.
+
+        Also the degrees (B, P, A) at the end of that time if the active UAV stays.
+        """
+        window = (others_free - now).clamp(min=0)
+        window = torch.where(torch.isfinite(window), window, 0.0)
+        alone = ~torch.isfinite(others_free)
+        flown = torch.where(alone[..., None], duration, torch.minimum(window[..., None], duration))
+        share = flown / duration.clamp(min=1e-9)
+        is_active = torch.zeros_like(self.done).scatter(-1, active[..., None], True)
+        reach = self._pair_reach.expand(-1, active.shape[1], -1, -1)
+        own_reach = _pick(reach, active)
+        keeps = torch.ones_like(share[..., :1], dtype=torch.bool)
+        for fraction in CHECKED_FRACTIONS:
+            others = self._positions(now + fraction * window)
+            linked = torch.cdist(others, others) <= reach
+            linked = linked & ~torch.eye(linked.shape[-1], dtype=torch.bool, device=linked.device)
+            without = linked & ~is_active[..., None, :] & ~is_active[..., :, None]
+            degree = without.sum(-1)
+            moved = here[..., None, :] + step * (fraction * share)[..., None]
+            places = torch.cat([moved, here[..., None, :]], dim=2)
+            link = (torch.cdist(places, others) <= own_reach[..., None, :]) & ~is_active[
+                ..., None, :
+            ]
+            enough = (degree[..., None, :] + link >= self._need[..., None, :]) | is_active[
+                ..., None, :
+            ]
+            own_need = self._need.expand_as(degree).gather(-1, active[..., None])
+            ok = enough.all(-1) & (link.sum(-1) >= own_need)
+            keeps = keeps & ok
+        stay = link[..., -1, :]
+        degree = torch.where(is_active, stay.sum(-1, keepdim=True), degree + stay)
+        return keeps, degree
+
+    def _positions(self, time: Tensor) -> Tensor:
+        """Where every UAV is (B, P, A, 3) at a time (B, P)."""
+        span = (self.arrive - self.depart).clamp(min=1e-9)
+        share = ((time[..., None] - self.depart) / span).clamp(0, 1)
+        return self.origin + (self.target - self.origin) * share[..., None]
+
+    def _allowed(
+        self, active: Tensor, now: Tensor, duration: Tensor, others_free: Tensor, keeps: Tensor
+    ) -> Tensor:
+        """Choices after masking; where every choice breaks a rule, the mildest are left."""
+        free = ~self.visited
+        t_max = self.batch.t_max[:, None].expand_as(self.arrive).gather(-1, active[..., None])
+        in_time = free & (now[..., None] + duration <= t_max)
+        may_stop = (torch.isfinite(others_free) | ~free.any(-1))[..., None]
+        good = torch.cat([in_time & keeps[..., :-1], may_stop & keeps[..., -1:]], dim=-1)
+        fair = torch.cat([in_time, may_stop], dim=-1)
+        poor = torch.cat([free, may_stop], dim=-1)
+        allowed = torch.where(fair.any(-1, keepdim=True), fair, poor)
+        return torch.where(good.any(-1, keepdim=True), good, allowed)
+
+    def _state_features(
+        self, active: Tensor, now: Tensor, others_free: Tensor, degree: Tensor
+    ) -> Tensor:
+        """T and K of the active UAV and of the fleet, (B, P, STATE_FEATURES)."""
+        batch = self.batch
+        t_max = batch.t_max[:, None].expand_as(self.arrive)
+        own_t_max = t_max.gather(-1, active[..., None]).squeeze(-1)
+        left = (~self.visited).sum(-1).float()
+        total = batch.waypoint_valid.sum(-1)[:, None].float()
+        flying = (~self.done).sum(-1).float()
+        uavs = batch.uav_valid.sum(-1)[:, None].float()
+        capacity = torch.where(self.done, 0.0, (t_max - self.arrive).clamp(min=0)).sum(-1)
+        need = batch.k_min[:, None].float().clamp(min=1)
+        own_degree = degree.gather(-1, active[..., None]).squeeze(-1)
+        least = torch.where(batch.uav_valid[:, None], degree, 10**6).amin(-1)
+        window = torch.where(torch.isfinite(others_free), others_free - now, 0.0)
+        work = 0.7124 * left / total.sqrt()
+        columns = (
+            now / own_t_max,
+            own_t_max - now,
+            window,
+            left / total,
+            flying / uavs,
+            (work / capacity.clamp(min=1e-3)).clamp(max=3),
+            (own_degree / need).clamp(max=4),
+            (least / need).clamp(max=4),
+            (~torch.isfinite(others_free)).float(),
+        )
+        return torch.stack(columns, dim=-1)
+
+    def _pair_features(
+        self, active: Tensor, now: Tensor, duration: Tensor, distance: Tensor
+    ) -> Tensor:
+        """What relates the active UAV to each waypoint, (B, P, W, 4), in units of their spacing."""
+        spacing = self.batch.waypoint_valid.sum(-1)[:, None, None].float().sqrt()
+        waypoints = self.batch.waypoints[:, None]
+        rivals = torch.cdist(waypoints.expand(-1, active.shape[1], -1, -1), self.target)
+        own = torch.zeros_like(self.done).scatter(-1, active[..., None], True)
+        rivals = torch.where((own | self.done)[..., None, :], 2.0, rivals).amin(-1)
+        t_max = self.batch.t_max[:, None].expand_as(self.arrive).gather(-1, active[..., None])
+        slack = (t_max - now[..., None] - duration) / t_max
+        near = distance * spacing
+        return torch.stack((near, rivals * spacing, near.square() / 10, slack), dim=-1)
+
+
+def _pick(per_uav: Tensor, active: Tensor) -> Tensor:
+    """Row of the active UAV: (B, P, A, K) and (B, P) give (B, P, K)."""
+    index = active[..., None, None].expand(-1, -1, 1, per_uav.shape[-1])
+    return per_uav.gather(2, index).squeeze(2)

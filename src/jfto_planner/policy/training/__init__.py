@@ -1,0 +1,1 @@
+"""Training RL-TP by REINFORCE (Algorithm 1)."""

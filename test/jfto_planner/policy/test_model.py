@@ -1,0 +1,100 @@
+"""Rollouts of the policy."""
+
+from __future__ import annotations
+
+import itertools
+
+import torch
+
+from jfto_planner.policy.environment import Episode
+from jfto_planner.policy.instance import stack, symmetries
+from jfto_planner.policy.model import Policy
+from support.policy_cases import SMALL, instances, line_of_three
+
+
+def _policy() -> Policy:
+    torch.manual_seed(3)
+    return Policy(SMALL).eval()
+
+
+def _likelihoods(policy: Policy, batch, paths: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+    """Log likelihood and cost of prescribed choice sequences (P, steps) of one problem."""
+    nodes, graph, _ = policy.encoder(batch)
+    keys = policy.decoder.prepare(nodes, graph, batch.starts.shape[1])
+    episode = Episode(batch, len(paths))
+    total = torch.zeros(1, len(paths), dtype=nodes.dtype)
+    for step in paths.T:
+        seen = episode.observe()
+        total = total + policy.decoder(keys, episode, seen).gather(-1, step[None, :, None])[..., 0]
+        episode.step(step[None])
+    return total[0], episode.length[0]
+
+
+def test_sampling_estimates_the_gradient_of_the_expected_length() -> None:
+    """On an instance with few enough outcomes to list them all, the exact gradient of E[L] equals
+    the score-function form Σ π L ∇log π, and sampled rollouts with a baseline approach it.
+    """
+    policy = _policy()
+    batch = line_of_three(reach=10)
+    parameter = policy.decoder.stop_bias
+    paths = torch.tensor(list(itertools.product(range(4), repeat=5)))
+    log_p, length = _likelihoods(policy, batch, paths)
+    real = torch.isfinite(log_p)
+    chance = log_p[real].exp()
+    assert abs(float(chance.sum()) - 1) < 1e-5
+    (exact,) = torch.autograd.grad((chance * length[real]).sum(), parameter, retain_graph=True)
+    score = (chance.detach() * length[real] * log_p[real]).sum()
+    (estimate,) = torch.autograd.grad(score, parameter)
+    torch.testing.assert_close(exact, estimate, rtol=1e-4, atol=1e-6)
+    outcome = policy(batch, 20_000, generator=torch.Generator().manual_seed(5))
+    advantage = outcome.length - outcome.length.mean()
+    (sampled,) = torch.autograd.grad((advantage * outcome.log_likelihood).mean(), parameter)
+    assert abs(float(sampled - exact)) < 0.1 * abs(float(exact)) + 2e-3
+
+
+def test_the_same_seed_gives_the_same_rollouts() -> None:
+    """Sampling depends on the generator alone."""
+    policy = _policy()
+    batch = instances(4, 8, 4, k_min=2)
+    first, second = (
+        policy(batch, 6, generator=torch.Generator().manual_seed(9)).choices for _ in range(2)
+    )
+    assert torch.equal(first, second)
+
+
+def test_a_batch_of_mixed_sizes_equals_its_problems_one_by_one() -> None:
+    """Padding with absent waypoints, starts and UAVs changes no choice and no length."""
+    policy = _policy()
+    single = [instances(1, w, a, seed=w, k_min=2) for w, a in ((5, 3), (9, 4), (12, 6))]
+    together = policy(stack(single))
+    for row, batch in enumerate(single):
+        alone = policy(batch)
+        torch.testing.assert_close(together.length[row], alone.length[0])
+        assert float(together.misses[row]) == float(alone.misses[0])
+
+
+def test_symmetries_preserve_every_distance() -> None:
+    """Reflections and rotations change coordinates, not the problem."""
+    batch = instances(2, 6, 4)
+    eight = symmetries(batch)
+    assert eight.size == 16
+    for copy in range(8):
+        rows = slice(2 * copy, 2 * copy + 2)
+        torch.testing.assert_close(
+            torch.cdist(eight.waypoints[rows], eight.starts[rows]),
+            torch.cdist(batch.waypoints, batch.starts),
+            rtol=1e-4,
+            atol=1e-5,
+        )
+
+
+def test_multi_start_begins_where_it_is_told() -> None:
+    """Rollout p of a problem begins with the waypoint prescribed for it."""
+    policy = _policy()
+    batch = instances(2, 6, 4, k_min=1)
+    first = torch.arange(6).expand(2, -1)
+    allowed = Episode(batch, 6).observe().allowed
+    possible = allowed.gather(-1, first[..., None]).squeeze(-1)
+    outcome = policy(batch, 6, first=first)
+    assert possible.any()
+    assert torch.equal(outcome.choices[..., 0][possible], first[possible])

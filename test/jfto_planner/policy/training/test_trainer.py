@@ -1,0 +1,131 @@
+"""The training loop."""
+
+from __future__ import annotations
+
+import csv
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import torch
+
+from jfto_msgs_py.errors import InputError
+from jfto_planner.policy.model import PolicyShape
+from jfto_planner.policy.training.baseline import significantly_better
+from jfto_planner.policy.training.config import Stage, TrainingConfig, from_dict
+from jfto_planner.policy.training.trainer import LOG, Trainer
+
+CONFIG = TrainingConfig(
+    seed=4,
+    stages=(Stage(6, (5, 7), (3, 4), instances=4, rollouts=4, learning_rate=1e-3),),
+    evaluate_every=2,
+    evaluation_instances=8,
+    checkpoint_every=2,
+    shape=PolicyShape(width=16, heads=4, layers=1, hidden=16),
+)
+
+
+class KilledError(Exception):
+    """Stands for kill -9 between two checkpoints."""
+
+
+def _log(directory: Path) -> list[dict[str, str]]:
+    with (directory / LOG).open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_killed_run_resumes_with_the_same_curve(tmp_path) -> None:
+    """Killed after step 5 and resumed from the checkpoint at 4, a run logs and learns the same."""
+    whole = Trainer(CONFIG, tmp_path / "whole")
+    whole.run()
+
+    def kill(progress) -> None:
+        if progress.step == 5:
+            raise KilledError
+
+    with pytest.raises(KilledError):
+        Trainer(CONFIG, tmp_path / "killed").run(kill)
+    resumed = Trainer(CONFIG, tmp_path / "killed")
+    assert resumed.step == 4
+    resumed.run()
+    assert _log(tmp_path / "killed") == _log(tmp_path / "whole")
+    for name, value in whole.policy.state_dict().items():
+        assert torch.equal(value, resumed.policy.state_dict()[name]), name
+
+
+def test_both_baselines_train(tmp_path) -> None:
+    """The shared baseline with multi-start moves the weights too."""
+    config = replace(CONFIG, baseline="shared", multi_start=True)
+    trainer = Trainer(config, tmp_path)
+    before = trainer.policy.decoder.stop_bias.item()
+    trainer.run()
+    assert trainer.policy.decoder.stop_bias.item() != before
+
+
+def test_the_t_test_wants_evidence() -> None:
+    """A better mean by chance is not enough; a consistent gain is; a loss never is."""
+    generator = torch.Generator().manual_seed(0)
+    old = torch.rand(200, generator=generator)
+    assert significantly_better(old - 0.01, old, 0.05)
+    assert not significantly_better(old + 0.01, old, 0.05)
+    noisy = old + 10 * (torch.rand(200, generator=generator) - 0.5)
+    assert not significantly_better(noisy - noisy.mean() + old.mean() - 1e-3, old, 0.05)
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"seed": 1}, "stages is missing"),
+        ({"seed": 1, "stages": []}, "at least one"),
+        ({"seed": 1, "stages": [{"steps": 1}]}, "waypoints is missing"),
+        ({"seed": 1, "stages": 3}, "must be a list"),
+        ({"seed": 1, "stages": [7]}, "must be a map"),
+        ({"sead": 1, "stages": []}, "sead is unknown"),
+    ],
+)
+def test_bad_configurations_name_the_key(values, message) -> None:
+    """Unknown, missing and ill-typed keys are named."""
+    with pytest.raises(InputError, match=message):
+        from_dict(values)
+
+
+def test_a_checkpoint_of_another_run_is_refused(tmp_path) -> None:
+    """Resuming with another seed would mix two runs."""
+    Trainer(CONFIG, tmp_path).run()
+    with pytest.raises(InputError, match="trained with seed = 4"):
+        Trainer(replace(CONFIG, seed=5), tmp_path)
+
+
+WORKER = """
+import sys
+from pathlib import Path
+sys.path[:0] = sys.argv[1].split(":")
+import torch
+from test_trainer import CONFIG
+from jfto_planner.policy.training.trainer import Trainer
+trainer = Trainer(CONFIG, Path(sys.argv[2]) / "run")
+trainer.run()
+name = f"rank{trainer.workers.rank}.pt"
+vector = torch.nn.utils.parameters_to_vector(trainer.policy.parameters())
+Path(sys.argv[2], name).write_text(repr(vector.double().sum().item()))
+"""
+
+
+def test_two_workers_stay_in_step(tmp_path) -> None:
+    """Two gloo processes average their gradients: their weights stay equal to each other."""
+    script = tmp_path / "worker.py"
+    script.write_text(WORKER)
+    here = Path(__file__).parent
+    paths = ":".join([str(here), str(here.parents[3] / "src")])
+    command = [sys.executable, "-m", "torch.distributed.run", "--nproc_per_node=2"]
+    command += ["--standalone", str(script), paths, str(tmp_path)]
+    environment = os.environ | {"OMP_NUM_THREADS": "1", "GLOO_SOCKET_IFNAME": "lo"}
+    done = subprocess.run(
+        command, env=environment, check=False, capture_output=True, text=True, timeout=120
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+    sums = [(tmp_path / f"rank{rank}.pt").read_text() for rank in (0, 1)]
+    assert sums[0] == sums[1]
