@@ -1,0 +1,30 @@
+"""Maximum transmit power: the baseline that asks for every link there is."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jfto_topology.powered import PoweredTopology, played_out
+from jfto_topology.required_power import checked_caps, required_powers
+from jfto_world.radio import Channel
+
+Array = NDArray[np.float64]
+
+
+def mtp(
+    positions_m: Array,
+    channel: Channel,
+    p_max_w: Array,
+    sensitivity_w: float,
+    energy_j: ArrayLike,
+    slot_duration_s: float,
+) -> PoweredTopology:
+    """Every UAV at P_a,max until its energy is gone, then off the air.
+
+    `positions_m` is (M, A, 3), `p_max_w` and `energy_j` (A,). Raises InputError as `ctop` does.
+    """
+    required_w = required_powers(positions_m, channel, p_max_w, sensitivity_w)
+    caps_w = checked_caps(p_max_w, required_w.shape[1])
+    wanted_w = np.broadcast_to(caps_w, required_w.shape[:2]).copy()
+    return played_out(required_w, wanted_w, np.isfinite(required_w), energy_j, slot_duration_s)

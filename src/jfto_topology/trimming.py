@@ -1,0 +1,141 @@
+"""Degrees cut down to K_min + δ, for the sake of spatial reuse (P3kmax)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+
+@njit(cache=True, nogil=True)
+def trimmed_lists(
+    required_w: Array, ring_w: Array, level_w: Array, k_min: int, delta: int
+) -> tuple[Flags, NDArray[np.int64], Flags]:
+    """Active links after trimming, degrees before it, and UAVs left with too many neighbours.
+
+    `required_w` and `ring_w` are (M, A, A) and `level_w` (M, A) holds mutual lists. A link goes
+    only while both ends keep K_min neighbours and the fleet stays as connected as it was. Longest
+    first; a link that vanishes when one end lowers its power goes before one that merely leaves
+    the lists. Returns (M, A, A), (M, A), (M, A).
+    """
+    slots, uavs, _ = required_w.shape
+    active = np.zeros((slots, uavs, uavs), dtype=np.bool_)
+    before = np.zeros((slots, uavs), dtype=np.int64)
+    over = np.zeros((slots, uavs), dtype=np.bool_)
+    for m in range(slots):
+        for a in range(uavs):
+            for b in range(uavs):
+                if ring_w[m, a, b] <= level_w[m, a]:
+                    active[m, a, b] = True
+                    before[m, a] += 1
+        degree = before[m].copy()
+        if degree.max() > k_min + delta:
+            _trim(required_w[m], ring_w[m], active[m], degree, k_min, delta)
+        over[m] = degree > k_min + delta
+    return active, before, over
+
+
+@njit(cache=True, nogil=True)
+def _trim(
+    required: Array, ring: Array, active: Flags, degree: NDArray, k_min: int, delta: int
+) -> None:
+    uavs = degree.shape[0]
+    ends = _longest_first(required, active)
+    # Links and degrees only ever go, so a link that must stay now must stay for good.
+    settled = np.zeros(ends.shape[0], dtype=np.bool_)
+    farthest = np.empty((uavs, 2), dtype=np.int64)
+    for a in range(uavs):
+        _two_farthest(ring, active, a, farthest)
+    by_power = True
+    while True:
+        found = -1
+        for e in range(ends.shape[0]):
+            a, b = ends[e]
+            if settled[e] or max(degree[a], degree[b]) <= k_min + delta:
+                continue
+            if by_power and not (
+                _beyond_power(required, ring, farthest, a, b)
+                or _beyond_power(required, ring, farthest, b, a)
+            ):
+                continue
+            settled[e] = True
+            if min(degree[a], degree[b]) > k_min and _detour(active, a, b):
+                found = e
+                break
+        if found < 0:
+            if not by_power:
+                return
+            by_power = False
+            continue
+        a, b = ends[found]
+        active[a, b] = active[b, a] = False
+        degree[a] -= 1
+        degree[b] -= 1
+        _two_farthest(ring, active, a, farthest)
+        _two_farthest(ring, active, b, farthest)
+        by_power = True
+
+
+@njit(cache=True, nogil=True)
+def _longest_first(required: Array, active: Flags) -> NDArray[np.int64]:
+    """Active links (L, 2) by falling power, then by index."""
+    uavs = active.shape[0]
+    ends = np.empty((active.sum() // 2, 2), dtype=np.int64)
+    cost = np.empty(ends.shape[0])
+    count = 0
+    for a in range(uavs):
+        for b in range(a + 1, uavs):
+            if active[a, b]:
+                ends[count, 0], ends[count, 1] = a, b
+                cost[count] = -required[a, b]
+                count += 1
+    return ends[np.argsort(cost, kind="mergesort")]
+
+
+@njit(cache=True, nogil=True)
+def _two_farthest(ring: Array, active: Flags, a: int, farthest: NDArray) -> None:
+    """Note a's two most costly active neighbours, -1 where there is none."""
+    first, second = -1, -1
+    for b in range(active.shape[0]):
+        if not active[a, b]:
+            continue
+        if first < 0 or ring[a, b] > ring[a, first]:
+            first, second = b, first
+        elif second < 0 or ring[a, b] > ring[a, second]:
+            second = b
+    farthest[a, 0], farthest[a, 1] = first, second
+
+
+@njit(cache=True, nogil=True)
+def _beyond_power(required: Array, ring: Array, farthest: NDArray, a: int, b: int) -> bool:
+    """Whether a, once it serves its other neighbours only, no longer reaches b."""
+    other = farthest[a, 1] if farthest[a, 0] == b else farthest[a, 0]
+    return other < 0 or required[a, b] > ring[a, other]
+
+
+@njit(cache=True, nogil=True)
+def _detour(active: Flags, a: int, b: int) -> bool:
+    """Whether a still reaches b over others, so that their own link is not a bridge."""
+    uavs = active.shape[0]
+    for c in range(uavs):
+        if active[a, c] and active[c, b]:
+            return True
+    seen = np.zeros(uavs, dtype=np.bool_)
+    stack = np.empty(uavs, dtype=np.int64)
+    seen[a] = True
+    stack[0] = a
+    depth = 1
+    while depth > 0:
+        depth -= 1
+        c = stack[depth]
+        for d in range(uavs):
+            if active[c, d] and not seen[d] and not (c == a and d == b):
+                if d == b:
+                    return True
+                seen[d] = True
+                stack[depth] = d
+                depth += 1
+    return False
