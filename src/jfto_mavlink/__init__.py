@@ -1,0 +1,1 @@
+"""MAVLink bridge: links, mission protocol, mission files, telemetry and flight control."""

@@ -1,0 +1,1 @@
+"""Mission files that Mission Planner and QGroundControl open, and telemetry logs."""

@@ -1,0 +1,188 @@
+"""Missions from a plan, in the one order of items that a real ArduCopter was measured to honour.
+
+Photo k's mount angle and heading are set on the leg before it: WP(k-1), shutter, mount for k,
+heading for k, WP(k), shutter … CONDITION_YAW blocks the items behind it and drops them when the
+next waypoint comes first, so it stands last.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from jfto_mavlink.dialect import mavlink
+from jfto_mavlink.errors import MissionError
+from jfto_mavlink.mission.fence import Fence, RallyPoint, fence_items, rally_items
+from jfto_mavlink.mission.item import FRAME_ABSOLUTE, FRAME_HOME, FRAME_NONE, Item, Mission, at
+from jfto_mavlink.mission.item_map import ItemMap, map_items
+from jfto_mavlink.mission.limits import check_limits
+from jfto_mavlink.mission.settings import MissionSettings
+from jfto_mavlink.mission.stored import mission_hash
+from jfto_msgs_py.plan import Plan, Route, Uav, Waypoint
+from jfto_world.terrain.frame import LocalFrame
+
+SPEED_GROUND, SPEED_CLIMB, SPEED_DESCENT = 1.0, 2.0, 3.0
+
+
+@dataclass(frozen=True)
+class VehicleMission:
+    """One vehicle's mission and what is needed to follow it.
+
+    `waypoints_deg_m` holds latitude, longitude and height above home of each route waypoint.
+    """
+
+    uav: str
+    mission: Mission
+    item_map: ItemMap
+    waypoint_ids: tuple[int, ...]
+    waypoints_deg_m: tuple[tuple[float, float, float], ...]
+    arrival_s: tuple[float, ...]
+    home_deg_m: tuple[float, float, float]
+
+    @property
+    def digest(self) -> str:
+        """Hash over the stored form of the mission."""
+        return mission_hash(self.mission)
+
+
+def build_missions(
+    plan: Plan,
+    settings: MissionSettings,
+    fence: Fence | None = None,
+    rally: Sequence[RallyPoint] = (),
+    fence_heights_m: tuple[float | None, float | None] = (None, None),
+) -> tuple[VehicleMission, ...]:
+    """One mission per UAV of the plan, in its order; raises MissionError."""
+    by_id = {waypoint.id: waypoint for waypoint in plan.waypoints}
+    missions = []
+    for uav, route in zip(plan.uavs, plan.routes, strict=True):
+        unknown = [i for i in route.waypoint_ids if i not in by_id]
+        if unknown:
+            raise MissionError(303, f"{uav.id}: waypoint {unknown[0]} is not in the plan.")
+        missions.append(
+            _build_one(
+                uav,
+                route,
+                [by_id[i] for i in route.waypoint_ids],
+                plan,
+                settings,
+                fence or Fence(),
+                rally,
+                fence_heights_m,
+            )
+        )
+    return tuple(missions)
+
+
+def _build_one(
+    uav: Uav,
+    route: Route,
+    waypoints: Sequence[Waypoint],
+    plan: Plan,
+    settings: MissionSettings,
+    fence: Fence,
+    rally: Sequence[RallyPoint],
+    fence_heights_m: tuple[float | None, float | None],
+) -> VehicleMission:
+    frame = LocalFrame(plan.origin)
+    lat, lon, alt = frame.to_geodetic(np.array([uav.start_m, *(w.position_m for w in waypoints)]))
+    heights = alt - alt[0]
+    places = [(float(a), float(o), float(h)) for a, o, h in zip(lat, lon, heights, strict=True)]
+    home_alt_m = float(alt[0])
+    items = [
+        at(mavlink.MAV_CMD_NAV_WAYPOINT, FRAME_ABSOLUTE, *places[0][:2], home_alt_m),
+        Item(mavlink.MAV_CMD_NAV_TAKEOFF, FRAME_HOME, z=settings.takeoff_height_m),
+        *(_speed_items(uav) if settings.set_speeds else ()),
+    ]
+    waypoint_items = []
+    for index, (waypoint, place) in enumerate(zip(waypoints, places[1:], strict=True)):
+        items += _aim_items(waypoint, settings)
+        hold_s = settings.hold_s if settings.style == "hold" else 0.0
+        waypoint_items.append(len(items))
+        items.append(at(mavlink.MAV_CMD_NAV_WAYPOINT, FRAME_HOME, *place, hold_s))
+        items += _shutter_items(settings)
+        if index in settings.gates and index < len(waypoints) - 1:
+            items.append(_gate_item(route.arrival_s[index], settings))
+    items += _ending_items(route, places[-1], plan.slots.horizon_s, settings)
+    check_limits(uav.id, items, settings.limits)
+    mission = Mission(tuple(items), fence_items(fence), rally_items(rally), *fence_heights_m)
+    return VehicleMission(
+        uav.id,
+        mission,
+        map_items(items, waypoint_items),
+        route.waypoint_ids,
+        tuple(places[1:]),
+        route.arrival_s,
+        (places[0][0], places[0][1], home_alt_m),
+    )
+
+
+def _speed_items(uav: Uav) -> list[Item]:
+    return [
+        Item(mavlink.MAV_CMD_DO_CHANGE_SPEED, FRAME_NONE, (kind, speed, -1.0, 0.0))
+        for kind, speed in (
+            (SPEED_GROUND, uav.speed_mps),
+            (SPEED_CLIMB, uav.climb_mps),
+            (SPEED_DESCENT, uav.descent_mps),
+        )
+    ]
+
+
+def _aim_items(waypoint: Waypoint, settings: MissionSettings) -> list[Item]:
+    items = []
+    pitch = waypoint.pitch_deg
+    if settings.mount == "mount_control":
+        items.append(Item(mavlink.MAV_CMD_DO_MOUNT_CONTROL, FRAME_NONE, (pitch, 0.0, 0.0, 0.0)))
+    elif settings.mount == "gimbal_manager":
+        items.append(
+            Item(
+                mavlink.MAV_CMD_DO_GIMBAL_MANAGER_PITCHYAW,
+                FRAME_NONE,
+                (pitch, 0.0, 0.0, 0.0),
+            )
+        )
+    if settings.turn_to_target:
+        yaw = waypoint.yaw_deg % 360.0
+        items.append(Item(mavlink.MAV_CMD_CONDITION_YAW, FRAME_NONE, (yaw, 0.0, 0.0, 0.0)))
+    return items
+
+
+def _shutter_items(settings: MissionSettings) -> list[Item]:
+    if settings.shutter == "digicam":
+        # x is param5, the shooting command.
+        return [Item(mavlink.MAV_CMD_DO_DIGICAM_CONTROL, FRAME_NONE, x=1)]
+    if settings.shutter == "image_capture":
+        return [Item(mavlink.MAV_CMD_IMAGE_START_CAPTURE, FRAME_NONE, (0.0, 1.0, 1.0, 0.0))]
+    return []
+
+
+def _gate_item(arrival_s: float, settings: MissionSettings) -> Item:
+    """Wait for a second of the minute: with hour and minute, a late vehicle would wait a day."""
+    if settings.start_unix_s is None:
+        raise MissionError(303, "time gates need the planned moment of lift-off.")
+    leave = math.ceil(settings.start_unix_s + arrival_s + settings.gate_slack_s)
+    return Item(mavlink.MAV_CMD_NAV_DELAY, FRAME_NONE, (-1.0, -1.0, -1.0, float(leave % 60)))
+
+
+def _ending_items(
+    route: Route,
+    last: tuple[float, float, float],
+    horizon_s: float,
+    settings: MissionSettings,
+) -> list[Item]:
+    items = []
+    lat, lon, height = last
+    wait_s = horizon_s - (route.arrival_s[-1] if route.arrival_s else 0.0)
+    if settings.relay_until_end and route.waypoint_ids and wait_s >= 1:
+        items.append(
+            at(mavlink.MAV_CMD_NAV_LOITER_TIME, FRAME_HOME, lat, lon, height, math.ceil(wait_s))
+        )
+    if settings.return_height_m is not None and settings.return_height_m > height:
+        items.append(
+            at(mavlink.MAV_CMD_NAV_WAYPOINT, FRAME_HOME, lat, lon, settings.return_height_m)
+        )
+    items.append(Item(mavlink.MAV_CMD_NAV_RETURN_TO_LAUNCH, FRAME_NONE))
+    return items

@@ -1,0 +1,147 @@
+"""One vehicle's mission, delivered: sent, read back, compared, and tidied up after a refusal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from jfto_mavlink.dialect import MODES, mavlink
+from jfto_mavlink.errors import CommandError, TransferError
+from jfto_mavlink.exchange import Context, Exchange, Report, Send, Wait, backoff
+from jfto_mavlink.mission.download import download
+from jfto_mavlink.mission.item import FENCE, MISSION, RALLY, TYPE_NAMES, Item, Mission
+from jfto_mavlink.mission.stored import differences, mission_hash
+from jfto_mavlink.mission.transfer import ACCEPTED, BUSY, ERROR, Patience, ack_name, ack_type
+from jfto_mavlink.mission.upload import upload
+from jfto_mavlink.parameter import set_parameter
+
+# Uploads of one mission until read-back must agree.
+ROUNDS = 3
+CLEAR_TRIES = 12
+
+
+@dataclass(frozen=True)
+class Delivered:
+    """Proof that a vehicle holds a mission: the hash, and how long delivery took."""
+
+    uav: str
+    digest: str
+    duration_s: float
+
+
+def deliver(
+    context: Context, mission: Mission, patience: Patience | None = None
+) -> Exchange[Delivered]:
+    """Send mission, fence and rally points, read each back and compare item by item.
+
+    On the ground a refused mission is cleared, so that nothing half-new can be started. In flight
+    the one on board before is put back. Raises TransferError whose `state` says which, and 405 in
+    AUTO: there, each stored item restarts the leg being flown.
+    """
+    patience = patience or Patience()
+    begun_s = context.clock()
+    if context.vehicle.armed and context.vehicle.mode == MODES["AUTO"]:
+        raise TransferError(
+            405, f"{context.uav}: is flying its mission in AUTO; pause it first (BRAKE)."
+        )
+    before: tuple[Item, ...] | None = None
+    if context.vehicle.armed:
+        before = yield from download(context, MISSION, patience)
+    try:
+        for mission_type in (FENCE, RALLY, MISSION):
+            yield from _deliver_type(context, mission.of_type(mission_type), mission_type, patience)
+        yield from _fence_heights(context, mission)
+    except (TransferError, CommandError) as error:
+        state = yield from _tidy_up(context, before, patience)
+        raise TransferError(error.code, _without_code(error), state) from error
+    return Delivered(context.uav, mission_hash(mission), context.clock() - begun_s)
+
+
+def verify(
+    context: Context, mission: Mission, patience: Patience | None = None
+) -> Exchange[tuple[str, ...]]:
+    """Differences between a mission and what the vehicle holds, in words; empty if none."""
+    found: list[str] = []
+    for mission_type in (MISSION, FENCE, RALLY):
+        held = yield from download(context, mission_type, patience)
+        found += differences(mission.of_type(mission_type), held, mission_type)
+    return tuple(found)
+
+
+def clear(context: Context, mission_type: int, patience: Patience | None = None) -> Exchange[None]:
+    """Remove all items of a type and see that none is left; raises TransferError."""
+    patience = patience or Patience()
+    name = TYPE_NAMES[mission_type]
+    waits = backoff(context.round_trip.timeout_s, patience.resend_ceiling_s)
+    begun_s = context.clock()
+    answer = "no answer"
+    for _ in range(CLEAR_TRIES):
+        yield Send(mavlink.MAVLink_mission_clear_all_message(*context.target, mission_type))
+        until_s = context.clock() + next(waits)
+        while context.clock() < until_s:
+            message = yield Wait(until_s)
+            code = None if message is None else ack_type(context, message, mission_type)
+            if code == ACCEPTED:
+                held = yield from download(context, mission_type, patience)
+                if len(held) <= (1 if mission_type == MISSION else 0):
+                    return
+            elif code is not None:
+                # Another station's open upload, or a mission being flown.
+                answer = ack_name(code)
+                until_s = context.clock() + patience.busy_retry_s
+                if code not in (BUSY, ERROR):
+                    raise TransferError(401, f"{context.uav}: {name} not cleared: {answer}.")
+        if context.clock() - begun_s > patience.busy_s:
+            break
+    raise TransferError(403, f"{context.uav}: {name} not cleared: {answer}.")
+
+
+def _deliver_type(
+    context: Context, items: Sequence[Item], mission_type: int, patience: Patience
+) -> Exchange[None]:
+    name = TYPE_NAMES[mission_type]
+    begun_s = context.clock()
+    found: tuple[str, ...] = ()
+    for attempt in range(ROUNDS):
+        if items:
+            yield from upload(context, items, mission_type, patience)
+        else:
+            yield from clear(context, mission_type, patience)
+        held = yield from download(context, mission_type, patience)
+        found = differences(items, held, mission_type)
+        if not found:
+            return
+        yield Report(f"{name} differs after upload {attempt + 1}: {found[0]}")
+    words = "".join(f' "{text}"' for text in context.vehicle.texts_since(begun_s))
+    raise TransferError(
+        404,
+        f"{context.uav}: {name} on board differs after {ROUNDS} uploads in {len(found)} places, "
+        f"first {found[0]}.{words}",
+    )
+
+
+def _fence_heights(context: Context, mission: Mission) -> Exchange[None]:
+    if mission.fence_height_min_m is not None:
+        yield from set_parameter(context, "FENCE_ALT_MIN", mission.fence_height_min_m)
+    if mission.fence_height_max_m is not None:
+        yield from set_parameter(context, "FENCE_ALT_MAX", mission.fence_height_max_m)
+
+
+def _tidy_up(
+    context: Context, before: tuple[Item, ...] | None, patience: Patience
+) -> Exchange[str]:
+    """Leave a state that can be named: the old mission in flight, none on the ground."""
+    try:
+        if before is not None and len(before) > 1:
+            yield Report("putting the mission back that was on board")
+            yield from _deliver_type(context, before, MISSION, patience)
+            return "The mission that was on board before is restored."
+        yield Report("clearing the half-written mission")
+        yield from clear(context, MISSION, patience)
+    except TransferError as error:
+        return f"What the vehicle holds is unknown ({_without_code(error)}); do not start it."
+    return "Its mission is cleared."
+
+
+def _without_code(error: TransferError | CommandError) -> str:
+    return str(error).rsplit(" [MAV-", 1)[0]

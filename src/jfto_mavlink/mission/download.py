@@ -1,0 +1,101 @@
+"""Reading a mission back, several questions in flight at a time."""
+
+from __future__ import annotations
+
+from jfto_mavlink.dialect import Message, mavlink
+from jfto_mavlink.errors import TransferError
+from jfto_mavlink.exchange import Context, Exchange, Report, Send, Wait, backoff
+from jfto_mavlink.mission.item import MISSION, TYPE_NAMES, Item, item_from_message
+from jfto_mavlink.mission.transfer import ACCEPTED, BUSY, Patience, ack_type
+
+
+def download(
+    context: Context, mission_type: int = MISSION, patience: Patience | None = None
+) -> Exchange[tuple[Item, ...]]:
+    """Items on board. Raises TransferError 402 (busy) or 403 (no answer)."""
+    patience = patience or Patience()
+    count = yield from _count(context, mission_type, patience)
+    items = yield from _items(context, mission_type, count, patience)
+    yield Send(mavlink.MAVLink_mission_ack_message(*context.target, ACCEPTED, mission_type))
+    return items
+
+
+def _count(context: Context, mission_type: int, patience: Patience) -> Exchange[int]:
+    heard_s = busy_s = context.clock()
+    waits = backoff(context.round_trip.timeout_s, patience.resend_ceiling_s)
+    while True:
+        yield Send(mavlink.MAVLink_mission_request_list_message(*context.target, mission_type))
+        until_s = context.clock() + next(waits)
+        while context.clock() < until_s:
+            message = yield Wait(until_s)
+            if message is None:
+                continue
+            if (
+                message.get_type() == "MISSION_COUNT"
+                and message.mission_type == mission_type
+                and context.addressed(message)
+            ):
+                return message.count
+            code = ack_type(context, message, mission_type)
+            if code == BUSY:
+                heard_s = context.clock()
+                if heard_s - busy_s > patience.busy_s:
+                    raise _error(context, 402, mission_type, "another station holds the mission.")
+                until_s = heard_s + patience.busy_retry_s
+        last_s = max(heard_s, context.vehicle.heard_s or 0.0)
+        if context.clock() - last_s > patience.lost_s or context.clock() - heard_s > (
+            4 * patience.lost_s
+        ):
+            raise _error(
+                context, 403, mission_type, f"no answer for {context.clock() - heard_s:.0f} s."
+            )
+
+
+def _items(
+    context: Context, mission_type: int, count: int, patience: Patience
+) -> Exchange[tuple[Item, ...]]:
+    """All items, asked for in a window; a question unanswered is asked again after a while."""
+    held: dict[int, Item] = {}
+    due: dict[int, float] = {}
+    wait_s = dict.fromkeys(range(count), context.round_trip.timeout_s)
+    progress_s = context.clock()
+    while len(held) < count:
+        now_s = context.clock()
+        if now_s - progress_s > patience.lost_s:
+            raise _error(
+                context, 403, mission_type, f"no item for {patience.lost_s:g} s, at {len(held)}."
+            )
+        open_items = (seq for seq in range(count) if seq not in held)
+        for seq, _ in zip(open_items, range(patience.window), strict=False):
+            if due.get(seq, now_s) <= now_s:
+                due[seq] = now_s + wait_s[seq]
+                wait_s[seq] = min(wait_s[seq] * 1.6, patience.resend_ceiling_s)
+                yield Send(
+                    mavlink.MAVLink_mission_request_int_message(*context.target, seq, mission_type)
+                )
+        message = yield Wait(min(at for seq, at in due.items() if seq not in held))
+        if message is None:
+            continue
+        code = ack_type(context, message, mission_type)
+        if code == BUSY:
+            for seq in due:
+                due[seq] = context.clock() + patience.busy_retry_s
+        elif _is_item(context, message, mission_type) and message.seq < count:
+            if message.seq not in held:
+                progress_s = context.clock()
+                yield Report(f"{TYPE_NAMES[mission_type]} read back", len(held) + 1, count)
+            held[message.seq] = item_from_message(message)
+    return tuple(held[seq] for seq in range(count))
+
+
+def _is_item(context: Context, message: Message, mission_type: int) -> bool:
+    return (
+        message.get_type() == "MISSION_ITEM_INT"
+        and message.mission_type == mission_type
+        and context.addressed(message)
+    )
+
+
+def _error(context: Context, code: int, mission_type: int, reason: str) -> TransferError:
+    name = TYPE_NAMES[mission_type]
+    return TransferError(code, f"{context.uav}: {name} could not be read: {reason}")

@@ -1,0 +1,163 @@
+"""Mission items and whole missions, as they travel in MISSION_ITEM_INT."""
+
+from __future__ import annotations
+
+import math
+import struct
+from dataclasses import dataclass
+
+from jfto_mavlink.dialect import Message, mavlink
+
+MISSION = mavlink.MAV_MISSION_TYPE_MISSION
+FENCE = mavlink.MAV_MISSION_TYPE_FENCE
+RALLY = mavlink.MAV_MISSION_TYPE_RALLY
+TYPE_NAMES = {MISSION: "mission", FENCE: "fence", RALLY: "rally"}
+
+FRAME_ABSOLUTE = mavlink.MAV_FRAME_GLOBAL
+FRAME_HOME = mavlink.MAV_FRAME_GLOBAL_RELATIVE_ALT
+FRAME_TERRAIN = mavlink.MAV_FRAME_GLOBAL_TERRAIN_ALT
+FRAME_NONE = mavlink.MAV_FRAME_MISSION
+
+DEGREE_1E7 = 10_000_000
+# Commands up to this number are flown to; larger ones are done in passing.
+LAST_NAV_COMMAND = mavlink.MAV_CMD_NAV_LAST
+
+# Commands whose x and y are not a position: plain numbers on the wire, kept with frame 0.
+WITHOUT_POSITION = frozenset(
+    (
+        mavlink.MAV_CMD_NAV_RETURN_TO_LAUNCH,
+        mavlink.MAV_CMD_NAV_GUIDED_ENABLE,
+        mavlink.MAV_CMD_NAV_DELAY,
+        mavlink.MAV_CMD_CONDITION_DELAY,
+        mavlink.MAV_CMD_CONDITION_DISTANCE,
+        mavlink.MAV_CMD_CONDITION_YAW,
+        mavlink.MAV_CMD_DO_JUMP,
+        mavlink.MAV_CMD_DO_CHANGE_SPEED,
+        mavlink.MAV_CMD_DO_SET_SERVO,
+        mavlink.MAV_CMD_DO_DIGICAM_CONTROL,
+        mavlink.MAV_CMD_DO_MOUNT_CONTROL,
+        mavlink.MAV_CMD_DO_SET_CAM_TRIGG_DIST,
+        mavlink.MAV_CMD_DO_FENCE_ENABLE,
+        mavlink.MAV_CMD_DO_GRIPPER,
+        mavlink.MAV_CMD_DO_GUIDED_LIMITS,
+        mavlink.MAV_CMD_JUMP_TAG,
+        mavlink.MAV_CMD_DO_JUMP_TAG,
+        mavlink.MAV_CMD_DO_GIMBAL_MANAGER_PITCHYAW,
+        mavlink.MAV_CMD_IMAGE_START_CAPTURE,
+        mavlink.MAV_CMD_NAV_ATTITUDE_TIME,
+    )
+)
+
+
+def float32(value: float) -> float:
+    """The value as the wire's 32-bit float carries it."""
+    return struct.unpack("<f", struct.pack("<f", value))[0]
+
+
+@dataclass(frozen=True)
+class Item:
+    """One item. x and y are degrees × 1e7 for commands with a position, plain integers else."""
+
+    command: int
+    frame: int = FRAME_NONE
+    params: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    x: int = 0
+    y: int = 0
+    z: float = 0.0
+    current: int = 0
+    autocontinue: int = 1
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "params", tuple(float32(p) for p in self.params))
+        object.__setattr__(self, "z", float32(self.z))
+
+    @property
+    def has_position(self) -> bool:
+        """Whether x and y are a place."""
+        return self.command not in WITHOUT_POSITION
+
+    @property
+    def is_nav(self) -> bool:
+        """Whether the vehicle flies to it, instead of doing it in passing."""
+        return self.command <= LAST_NAV_COMMAND
+
+    @property
+    def lat_deg(self) -> float:
+        """Latitude of an item with a position."""
+        return self.x / DEGREE_1E7
+
+    @property
+    def lon_deg(self) -> float:
+        """Longitude of an item with a position."""
+        return self.y / DEGREE_1E7
+
+    def to_message(self, sysid: int, compid: int, seq: int, mission_type: int) -> Message:
+        """The MISSION_ITEM_INT for a vehicle."""
+        return mavlink.MAVLink_mission_item_int_message(
+            sysid,
+            compid,
+            seq,
+            self.frame,
+            self.command,
+            self.current,
+            self.autocontinue,
+            *self.params,
+            self.x,
+            self.y,
+            self.z,
+            mission_type,
+        )
+
+
+def item_from_message(message: Message) -> Item:
+    """The item in a MISSION_ITEM_INT."""
+    return Item(
+        message.command,
+        message.frame,
+        (message.param1, message.param2, message.param3, message.param4),
+        message.x,
+        message.y,
+        message.z,
+        message.current,
+        message.autocontinue,
+    )
+
+
+def at(
+    command: int,
+    frame: int,
+    lat_deg: float,
+    lon_deg: float,
+    height_m: float,
+    p1: float = 0.0,
+) -> Item:
+    """An item at a place, coordinates rounded to 1e-7 degrees and the height to centimetres."""
+    x, y = round(lat_deg * DEGREE_1E7), round(lon_deg * DEGREE_1E7)
+    return Item(command, frame, (p1, 0.0, 0.0, 0.0), x, y, round(height_m, 2))
+
+
+@dataclass(frozen=True)
+class Mission:
+    """Everything one vehicle holds: items (item 0 is home), fence and rally points.
+
+    An empty `items` means an empty mission. Fence heights are parameters of the autopilot, None
+    leaves them as they are.
+    """
+
+    items: tuple[Item, ...] = ()
+    fence: tuple[Item, ...] = ()
+    rally: tuple[Item, ...] = ()
+    fence_height_min_m: float | None = None
+    fence_height_max_m: float | None = None
+
+    def of_type(self, mission_type: int) -> tuple[Item, ...]:
+        """The items of one mission type."""
+        return {MISSION: self.items, FENCE: self.fence, RALLY: self.rally}[mission_type]
+
+
+def distance_m(a: Item, b: Item) -> float:
+    """Horizontal distance between two items with positions, on a sphere, good to 0.5 %."""
+    mean = math.radians((a.lat_deg + b.lat_deg) / 2)
+    north = math.radians(b.lat_deg - a.lat_deg)
+    east = math.radians((b.lon_deg - a.lon_deg + 180) % 360 - 180) * math.cos(mean)
+    return 6_371_000.0 * math.hypot(north, east)

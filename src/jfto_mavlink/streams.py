@@ -1,0 +1,50 @@
+"""Which messages a vehicle is asked to send, and asking for them.
+
+Nothing but heartbeats comes by itself, each port has its own settings, and a restart forgets them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from jfto_mavlink.command import Persistence, request_message, send_command
+from jfto_mavlink.dialect import mavlink
+from jfto_mavlink.errors import CommandError
+from jfto_mavlink.exchange import Context, Exchange, Report
+
+# Message id -> rate in Hz.
+DEFAULT_RATES: Mapping[int, float] = {
+    mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: 10.0,
+    mavlink.MAVLINK_MSG_ID_ATTITUDE: 10.0,
+    mavlink.MAVLINK_MSG_ID_SYS_STATUS: 2.0,
+    mavlink.MAVLINK_MSG_ID_GPS_RAW_INT: 2.0,
+    mavlink.MAVLINK_MSG_ID_EKF_STATUS_REPORT: 2.0,
+    mavlink.MAVLINK_MSG_ID_MISSION_CURRENT: 2.0,
+    mavlink.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: 2.0,
+    mavlink.MAVLINK_MSG_ID_SYSTEM_TIME: 1.0,
+}
+# Patient with a busy link, impatient enough that a reboot in the middle is noticed.
+_PERSISTENCE = Persistence(tries=6, ceiling_s=1.5)
+
+
+def greet(context: Context, rates: Mapping[int, float]) -> Exchange[None]:
+    """Ask who the vehicle is and for its streams; what it refuses is reported and left out."""
+    for message_id in (
+        mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION,
+        mavlink.MAVLINK_MSG_ID_HOME_POSITION,
+    ):
+        try:
+            yield from request_message(context, message_id)
+        except CommandError as error:
+            # Home is not known before the first position fix; it comes by itself then.
+            yield Report(str(error))
+    for message_id, rate_hz in rates.items():
+        try:
+            yield from send_command(
+                context,
+                mavlink.MAV_CMD_SET_MESSAGE_INTERVAL,
+                (float(message_id), 1e6 / rate_hz),
+                persistence=_PERSISTENCE,
+            )
+        except CommandError as error:
+            yield Report(str(error))

@@ -1,0 +1,60 @@
+"""A vehicle's clock against ours, from TIMESYNC and SYSTEM_TIME."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+
+from jfto_mavlink.rtt import RoundTrip
+
+NS = 1_000_000_000
+# Samples among which the one with the shortest round trip is believed.
+WINDOW = 16
+
+
+@dataclass
+class TimeSync:
+    """Offset of the vehicle's boot clock, round trip and jitter, all in seconds.
+
+    `offset_s` is vehicle minus station; the sample with the shortest round trip among the last
+    ones is used, since delay adds to the error on one side only. `jitter_s` is the mean absolute
+    deviation of the offsets in the window.
+    """
+
+    round_trip: RoundTrip = field(default_factory=RoundTrip)
+    utc_error_s: float | None = None
+    samples: int = 0
+    _window: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=WINDOW))
+
+    def answer(self, sent_ns: int, vehicle_ns: int, now_ns: int) -> None:
+        """Take in the answer to our TIMESYNC; one that cannot be ours is ignored."""
+        rtt_s = (now_ns - sent_ns) / NS
+        if not 0 <= rtt_s < 10:
+            return
+        self.round_trip.measure(rtt_s)
+        self._window.append((rtt_s, (vehicle_ns - (sent_ns + now_ns) / 2) / NS))
+        self.samples += 1
+
+    def system_time(self, vehicle_unix_us: int, our_unix_s: float) -> None:
+        """Take in SYSTEM_TIME; 0 means that the vehicle has no UTC yet."""
+        if vehicle_unix_us:
+            one_way = (self.round_trip.smoothed_s or 0.0) / 2
+            self.utc_error_s = vehicle_unix_us / 1e6 + one_way - our_unix_s
+
+    def restart(self) -> None:
+        """Forget the offset: the vehicle has booted again."""
+        self._window.clear()
+        self.utc_error_s = None
+
+    @property
+    def offset_s(self) -> float | None:
+        """Vehicle clock minus ours, None before the first answer."""
+        return min(self._window)[1] if self._window else None
+
+    @property
+    def jitter_s(self) -> float:
+        """Mean absolute deviation of the offsets from the one believed."""
+        best = self.offset_s
+        if best is None:
+            return 0.0
+        return sum(abs(offset - best) for _, offset in self._window) / len(self._window)

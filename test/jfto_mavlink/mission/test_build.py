@@ -1,0 +1,155 @@
+"""Missions from plans."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from jfto_mavlink.dialect import mavlink
+from jfto_mavlink.errors import MissionError
+from jfto_mavlink.mission.build import build_missions
+from jfto_mavlink.mission.limits import MissionLimits
+from jfto_mavlink.mission.settings import MissionSettings
+from jfto_world.terrain.frame import LocalFrame
+
+WP, TAKEOFF, RTL = 16, 22, 20
+SPEED, MOUNT, YAW, SHUTTER, DELAY, LOITER = 178, 205, 115, 203, 93, 19
+
+
+def commands(mission) -> list[int]:
+    return [item.command for item in mission.mission.items]
+
+
+def test_items_stand_in_the_order_that_was_measured_to_work(plan):
+    """Shutter, mount, heading before the next waypoint; heading last; RTL at the end."""
+    first = build_missions(plan, MissionSettings())[0]
+    photo = [MOUNT, YAW, WP, SHUTTER]
+    assert commands(first) == [WP, TAKEOFF, SPEED, SPEED, SPEED, *photo * 3, LOITER, RTL]
+    assert first.item_map.items == (7, 11, 15)
+    takeoff = first.mission.items[1]
+    assert (takeoff.frame, takeoff.z) == (3, 10.0)
+
+
+def test_places_and_heights_are_those_of_the_plan(plan):
+    """Heights count from the pad, not from the frame's origin."""
+    frame = LocalFrame(plan.origin)
+    for uav, route, built in zip(
+        plan.uavs, plan.routes, build_missions(plan, MissionSettings()), strict=True
+    ):
+        by_id = {w.id: np.array(w.position_m) for w in plan.waypoints}
+        for waypoint_id, seq in zip(route.waypoint_ids, built.item_map.items, strict=True):
+            item = built.mission.items[seq]
+            home_alt = frame.to_geodetic(np.array(uav.start_m))[2]
+            back = frame.to_enu(item.lat_deg, item.lon_deg, home_alt + item.z)
+            assert np.linalg.norm(back - by_id[waypoint_id]) < 0.02
+            assert item.frame == mavlink.MAV_FRAME_GLOBAL_RELATIVE_ALT
+
+
+def test_camera_angles_reach_the_items(plan):
+    """Pitch in the mount item, heading in CONDITION_YAW, 0 to 360 degrees, absolute."""
+    built = build_missions(plan, MissionSettings())[0]
+    waypoints = {w.id: w for w in plan.waypoints}
+    for waypoint_id, seq in zip(built.waypoint_ids, built.item_map.items, strict=True):
+        mount, yaw = built.mission.items[seq - 2 : seq]
+        assert mount.params[0] == pytest.approx(waypoints[waypoint_id].pitch_deg)
+        assert yaw.params[0] == pytest.approx(waypoints[waypoint_id].yaw_deg % 360, abs=1e-4)
+        assert yaw.params[3] == 0.0
+
+
+def test_holding_sharpens_and_every_part_can_be_left_out(plan):
+    """Bare waypoints with a hold remain when nothing else is wanted."""
+    settings = MissionSettings(
+        style="hold",
+        hold_s=2.0,
+        shutter="none",
+        mount="none",
+        turn_to_target=False,
+        set_speeds=False,
+        relay_until_end=False,
+    )
+    built = build_missions(plan, settings)[0]
+    assert commands(built) == [WP, TAKEOFF, WP, WP, WP, RTL]
+    assert all(built.mission.items[seq].params[0] == 2.0 for seq in built.item_map.items)
+
+
+def test_a_uav_stays_as_a_relay_until_the_horizon(plan):
+    """It waits at its last waypoint for what the plan leaves after its arrival."""
+    built = build_missions(plan, MissionSettings())
+    for route, mission in zip(plan.routes, built, strict=True):
+        loiter = mission.mission.items[-2]
+        assert loiter.command == LOITER
+        assert loiter.params[0] == np.ceil(plan.slots.horizon_s - route.arrival_s[-1])
+
+
+def test_a_low_last_waypoint_climbs_before_it_returns(plan):
+    """RTL flies straight home at the height it has: a ridge may stand between."""
+    built = build_missions(plan, MissionSettings(return_height_m=80.0))[0]
+    climb, rtl = built.mission.items[-2:]
+    assert (climb.command, climb.z) == (WP, 80.0)
+    assert rtl.command == RTL
+    assert built.item_map.waypoint(len(built.mission.items) - 2) is None
+
+
+def test_gates_name_the_second_of_the_minute_only(plan):
+    """With hour and minute a late vehicle would wait a day."""
+    start = 1_795_312_833.0
+    built = build_missions(plan, MissionSettings(gates=(1,), start_unix_s=start))[0]
+    gate = built.mission.items[built.item_map.items[1] + 2]
+    assert gate.command == DELAY
+    leave = np.ceil(start + plan.routes[0].arrival_s[1] + 5.0) % 60
+    assert gate.params == (-1.0, -1.0, -1.0, leave)
+
+
+@pytest.mark.parametrize("behind", [0, 1])
+def test_a_reached_do_item_stands_for_the_waypoint_before_it(plan, behind):
+    """MISSION_ITEM_REACHED may carry the number of a DO item behind the waypoint."""
+    built = build_missions(plan, MissionSettings())[0]
+    for index, seq in enumerate(built.item_map.items):
+        assert built.item_map.waypoint(seq + behind) == index
+    assert built.item_map.waypoint(1) is None
+    assert built.item_map.waypoint(10_000) is None
+    assert built.item_map.next_waypoint(8) == 1
+
+
+def test_what_the_autopilot_would_store_unchecked_is_refused(plan):
+    """Below home, too far, too many items: named with the item's number."""
+    low = dataclasses.replace(plan.waypoints[0], position_m=(50.0, 0.0, -60.0))
+    with pytest.raises(MissionError, match=r"item 7: height -\d+"):
+        build_missions(
+            dataclasses.replace(plan, waypoints=(low, *plan.waypoints[1:])), MissionSettings()
+        )
+    with pytest.raises(MissionError, match="from home"):
+        build_missions(plan, MissionSettings(limits=MissionLimits(distance_max_m=20.0)))
+    with pytest.raises(MissionError, match="at most 10"):
+        build_missions(plan, MissionSettings(limits=MissionLimits(items_max=10)))
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"style": "fast"},
+        {"shutter": "loud"},
+        {"style": "hold", "hold_s": 0.4},
+        {"takeoff_height_m": 0.0},
+        {"gates": (0,)},
+        {"gate_slack_s": 45.0},
+    ],
+)
+def test_impossible_settings_are_refused(wrong):
+    """Before any mission is built."""
+    with pytest.raises(MissionError):
+        MissionSettings(**wrong)
+
+
+def test_terrain_heights_are_refused_with_the_reason():
+    """Without loaded terrain the vehicle descends into the ground."""
+    with pytest.raises(MissionError, match="TERRAIN_DATA"):
+        MissionSettings(terrain_frame=True)
+
+
+def test_a_route_with_an_unknown_waypoint_is_refused(plan):
+    """A plan that contradicts itself is not flown."""
+    with pytest.raises(MissionError, match="not in the plan"):
+        build_missions(dataclasses.replace(plan, waypoints=plan.waypoints[1:]), MissionSettings())
