@@ -1,0 +1,81 @@
+"""Powers of a horizon against the energy that is left."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from jfto_msgs_py.errors import MessageError
+from jfto_msgs_py.network import Adjacency, PowerIntervals, SlotHorizon
+from jfto_msgs_py.radio import Radio
+from jfto_power.horizon import EnergyBook, plan_horizon
+from jfto_world.radio import make_channel
+from support.fleets import at
+
+RADIO = Radio()
+IDS = ("uav1", "uav2")
+HORIZON = SlotHorizon(6, at(12.0), 2.0, 5)
+POSITIONS = np.tile(np.array([[0.0, 0, 0], [300.0, 0, 0]]), (5, 1, 1))
+
+
+def _plan(left_j: float, slot_count: int = 10, intervals_of: SlotHorizon = HORIZON):
+    links = np.tile(~np.eye(2, dtype=bool), (5, 1, 1))
+    bounds = np.tile(np.array([0.1, 0.5]), (5, 2, 1))
+    return plan_horizon(
+        Adjacency(HORIZON, IDS, links),
+        PowerIntervals(intervals_of, IDS, bounds),
+        POSITIONS,
+        dict.fromkeys(IDS, left_j),
+        slot_count=slot_count,
+        channel=make_channel(RADIO),
+        radio=RADIO,
+    )
+
+
+def test_every_slot_of_the_horizon_costs_energy() -> None:
+    """Five slots of 2 s to the end of the mission share 3 J: 0.3 W each, the current one too."""
+    power = _plan(3.0).schedule.power_w
+    np.testing.assert_allclose(power, 0.3, rtol=1e-9)
+
+
+def test_a_horizon_short_of_the_end_saves_its_share() -> None:
+    """With 25 slots left, five of them may use a fifth of 15 J."""
+    power = _plan(15.0, slot_count=30).schedule.power_w
+    np.testing.assert_allclose(power.sum(axis=0) * 2.0, 3.0, rtol=1e-9)
+
+
+def test_the_least_powers_come_before_saving() -> None:
+    """When the share would not pay for the floor, the floor is paid as long as it can be."""
+    planned = _plan(1.2, slot_count=30)
+    assert planned.shortage is None
+    np.testing.assert_allclose(planned.schedule.power_w, 0.1)
+
+
+def test_a_shortage_holds_the_longest_prefix() -> None:
+    """0.5 J pays for two slots at 0.1 W; the rest is silence, and the shortage says who."""
+    planned = _plan(0.5)
+    assert planned.shortage is not None
+    assert planned.shortage.uavs == (0, 1)
+    power = planned.schedule.power_w
+    assert (power[:2] >= 0.1).all()
+    assert (power[2:] == 0).all()
+    assert (power.sum(axis=0) * 2.0 <= 0.5 + 1e-12).all()
+
+
+def test_messages_of_two_horizons_are_not_mixed() -> None:
+    """An interval of another slot is refused."""
+    with pytest.raises(MessageError, match="same horizon"):
+        _plan(3.0, intervals_of=replace(HORIZON, first=7))
+
+
+def test_the_book_charges_what_was_in_force() -> None:
+    """Power × time since it was set, never below zero, and time never runs backward."""
+    book = EnergyBook({"uav1": 10.0, "uav2": 1.0})
+    book.set_powers(at(0.0), {"uav1": 1.0, "uav2": 0.5})
+    book.set_powers(at(4.0), {"uav1": 0.25})
+    assert book.left_j == pytest.approx({"uav1": 6.0, "uav2": 0.0})
+    book.advance(at(3.0))
+    book.advance(at(8.0))
+    assert book.left_j["uav1"] == pytest.approx(5.0)
