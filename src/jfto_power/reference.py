@@ -1,0 +1,120 @@
+"""The same allocation by a general convex solver, to check the exact one against."""
+
+from __future__ import annotations
+
+import warnings
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jfto_msgs_py.errors import JftoError
+from jfto_msgs_py.radio import Radio
+from jfto_power.shortage import ROUNDING, check_energy
+from jfto_world.radio import noise_w
+
+Array = NDArray[np.float64]
+
+# Close to the optimum some cones allow tiny steps only; by default Clarabel then gives up early.
+# cvxpy's warm start keeps the scaling of the last instance, which fails on the next one.
+SETTINGS = {
+    "tol_gap_rel": 1e-8,
+    "tol_gap_abs": 1e-8,
+    "tol_feas": 1e-8,
+    "reduced_tol_gap_rel": 1e-7,
+    "reduced_tol_gap_abs": 1e-7,
+    "reduced_tol_feas": 1e-7,
+    "min_switch_step_length": 1e-3,
+    "min_terminate_step_length": 1e-8,
+    "warm_start": False,
+}
+
+
+class SolverError(JftoError):
+    """The general solver gave up; its status is in the message."""
+
+
+class ReferenceAllocator:
+    """cvxpy + Clarabel, compiled once per (N, A, greatest degree) with parameters.
+
+    Left as printed, (P4) makes the interior-point method fail at signal-to-noise ratios of 1e8.
+    Here x in [0, 1] places each power in its interval, p = low + x (high - low), and the rate
+    ln(1 + g p) is written as a constant + ln(a + b x) with a = 1/(1 + q), b = q/(1 + q),
+    q = g (high - low)/(1 + g low), so that all data lies in [0, 1].
+    """
+
+    def solve(
+        self,
+        adjacency: NDArray[np.bool_],
+        gain: Array,
+        p_low_w: Array,
+        p_high_w: Array,
+        energy_j: ArrayLike,
+        slot_duration_s: float,
+        radio: Radio,
+    ) -> Array:
+        """Powers (N + 1, A) in watts; slot 0, which costs nothing, gets its upper bound.
+
+        Arguments as for `allocate`. Raises EnergyShortage, or SolverError with the status.
+        """
+        energy = np.asarray(energy_j, dtype=np.float64)
+        names = tuple(f"uav{a + 1}" for a in range(energy.size))
+        check_energy(p_low_w, energy, slot_duration_s, names)
+        low, room = p_low_w[1:], p_high_w[1:] - p_low_w[1:]
+        linked = adjacency[1:] & (gain[1:] > 0)
+        degree = max(1, int(linked.sum(axis=2).max(initial=0)))
+        snr = _packed(np.where(linked, gain[1:], 0.0), degree) / noise_w(radio)
+        spare = np.maximum(energy / slot_duration_s - low.sum(axis=0), 0.0)
+        # Without energy to spare only the floor is left, an interval without an inside.
+        room = np.where(spare > ROUNDING * low.sum(axis=0), room, 0.0)
+        lift = snr * room[:, :, None] / (1.0 + snr * low[:, :, None])
+        problem, parts = _compiled(low.shape[0], low.shape[1], degree)
+        parts["a"].value = (1.0 / (1.0 + lift)).reshape(low.shape[0], -1)
+        parts["b"].value = (lift / (1.0 + lift)).reshape(low.shape[0], -1)
+        all_room = np.where(room.sum(axis=0) > 0, room.sum(axis=0), 1.0)
+        parts["cost"].value = room / all_room
+        parts["spare"].value = np.minimum(spare / all_room, 1.0)
+        _run(problem)
+        power = np.vstack([p_high_w[:1], low + parts["x"].value * room])
+        return np.clip(power, p_low_w, p_high_w)
+
+
+def _run(problem: Any) -> None:
+    import cvxpy as cp
+
+    try:
+        with warnings.catch_warnings():
+            # Said whenever the first tolerances are missed, even where the reduced ones are met.
+            warnings.filterwarnings("ignore", message="Solution may be inaccurate")
+            problem.solve(solver="CLARABEL", **SETTINGS)
+    except cp.SolverError as error:
+        raise SolverError(f"Clarabel found no allocation: {error}") from error
+    if problem.status not in (cp.OPTIMAL, cp.OPTIMAL_INACCURATE):
+        raise SolverError(f"Clarabel ended with status {problem.status!r}.")
+
+
+def _packed(gain: Array, degree: int) -> Array:
+    """Each UAV's link gains moved to the front of its row, (N, A, degree)."""
+    return -np.sort(-gain, axis=2)[:, :, :degree]
+
+
+@lru_cache(maxsize=16)
+def _compiled(slots: int, uavs: int, degree: int) -> tuple[Any, dict[str, Any]]:
+    """Problem of one shape; parameters enter linearly, so that it is compiled only once (DPP)."""
+    import cvxpy as cp
+
+    x = cp.Variable((slots, uavs), name="x")
+    wide = (slots, uavs * degree)
+    parts = {
+        "x": x,
+        "a": cp.Parameter(wide, nonneg=True),
+        "b": cp.Parameter(wide, nonneg=True),
+        "cost": cp.Parameter((slots, uavs), nonneg=True),
+        "spare": cp.Parameter(uavs, nonneg=True),
+    }
+    spread = np.kron(np.eye(uavs), np.ones((1, degree)))
+    rate = cp.sum(cp.log(parts["a"] + cp.multiply(parts["b"], x @ spread)))
+    spent = cp.sum(cp.multiply(parts["cost"], x), axis=0)
+    limits = [x >= 0, x <= 1, spent <= parts["spare"]]
+    return cp.Problem(cp.Maximize(rate), limits), parts
