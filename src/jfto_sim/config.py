@@ -1,0 +1,60 @@
+"""What one simulated vehicle is: identity, home, seed, surroundings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from jfto_msgs_py.errors import InputError
+from jfto_world.motion.arducopter.wpnav import Airframe
+
+RECORDED_UID2 = (51, 100, 49, 50, 49, 57, 99, 55, 99, 52, 99, 53, 52, 48, 52, 97, 97, 0)
+RECORDED_UTC_AT_BOOT_US = 1_795_312_779_996_533
+
+
+@dataclass(frozen=True)
+class VehicleConfig:
+    """One vehicle. Home is where it stands at power-up; the ground is flat at that height.
+
+    `parameters` replaces defaults at power-up. `uid2` (18 bytes) is the AUTOPILOT_VERSION uid; the
+    default differs per system id, so that two vehicles can be told apart. `wind_mps` (east, north)
+    is where the air moves to. `gps_noise_m` is the standard deviation of the reported horizontal
+    position. `clock_drift_ppm` makes the vehicle's own clock run fast. `utc_at_boot_us` is UTC at
+    power-up in microseconds.
+    """
+
+    sysid: int = 1
+    home_lat_deg: float = 47.397742
+    home_lon_deg: float = 8.545594
+    home_alt_m: float = 488.1
+    heading_deg: float = 0.0
+    seed: int = 0
+    port_count: int = 3
+    parameters: dict[str, float] = field(default_factory=dict)
+    uid2: tuple[int, ...] | None = None
+    wind_mps: tuple[float, float] = (0.0, 0.0)
+    gps_noise_m: float = 0.0
+    clock_drift_ppm: float = 0.0
+    utc_at_boot_us: int = RECORDED_UTC_AT_BOOT_US
+    airframe: Airframe = field(default_factory=Airframe)
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.sysid <= 255:
+            raise InputError(f"sysid is {self.sysid}, must be 1 to 255.")
+        if not (-90 <= self.home_lat_deg <= 90 and -180 <= self.home_lon_deg <= 180):
+            raise InputError(
+                f"home of vehicle {self.sysid} is {self.home_lat_deg}, {self.home_lon_deg}: "
+                "latitude must be within +-90 and longitude within +-180 degrees."
+            )
+        if self.port_count < 1:
+            raise InputError(f"port_count is {self.port_count}, must be at least 1.")
+        if self.uid2 is not None and len(self.uid2) != 18:
+            raise InputError(f"uid2 has {len(self.uid2)} bytes, must have 18.")
+        if self.gps_noise_m < 0:
+            raise InputError(f"gps_noise_m is {self.gps_noise_m}, must not be negative.")
+
+    @property
+    def identity(self) -> list[int]:
+        """The 18 bytes of AUTOPILOT_VERSION.uid2."""
+        if self.uid2 is not None:
+            return list(self.uid2)
+        return [*RECORDED_UID2[:-2], ord("0") + self.sysid % 10, self.sysid - 1]

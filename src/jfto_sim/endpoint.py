@@ -1,0 +1,198 @@
+"""Where a vehicle's port meets the network: UDP listening, UDP sending, TCP for one client."""
+
+from __future__ import annotations
+
+import socket
+from dataclasses import dataclass
+from typing import Protocol
+
+from jfto_msgs_py.errors import InputError
+
+_CHUNK = 4096
+_BACKLOG_MAX = 1 << 20
+
+
+class Endpoint(Protocol):
+    """A non-blocking byte transport that never raises because of its peer."""
+
+    def sockets(self) -> list[socket.socket]:
+        """What to wait on."""
+
+    def receive(self) -> list[bytes]:
+        """Chunks that have arrived."""
+
+    def send(self, frame: bytes) -> None:
+        """Send one frame, or drop it where nobody listens."""
+
+    def drop(self) -> None:
+        """End a connection, as a restart does."""
+
+    def close(self) -> None:
+        """Give the sockets back."""
+
+    @property
+    def address(self) -> tuple[str, int]:
+        """Host and port."""
+
+
+class UdpEndpoint:
+    """UDP. Without a remote it answers whoever spoke last; with one it sends there."""
+
+    def __init__(self, host: str, port: int, remote: tuple[str, int] | None = None) -> None:
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.setblocking(False)
+        self._socket.bind((host, port))
+        self._remote = remote
+
+    def sockets(self) -> list[socket.socket]:
+        """The one socket."""
+        return [self._socket]
+
+    def receive(self) -> list[bytes]:
+        """All datagrams that are waiting."""
+        chunks: list[bytes] = []
+        while True:
+            try:
+                data, peer = self._socket.recvfrom(_CHUNK)
+            except (BlockingIOError, ConnectionError):
+                return chunks
+            self._remote = peer
+            chunks.append(data)
+
+    def send(self, frame: bytes) -> None:
+        """One datagram per frame; a full or refused socket loses it, as radio does."""
+        if self._remote is None:
+            return
+        try:
+            self._socket.sendto(frame, self._remote)
+        except (BlockingIOError, ConnectionError):
+            return
+
+    def drop(self) -> None:
+        """UDP has no connection to end."""
+
+    def close(self) -> None:
+        """Close the socket."""
+        self._socket.close()
+
+    @property
+    def address(self) -> tuple[str, int]:
+        """Local host and port."""
+        host, port = self._socket.getsockname()
+        return host, port
+
+
+class TcpEndpoint:
+    """TCP server for one client; a second one connects but hears nothing."""
+
+    def __init__(self, host: str, port: int) -> None:
+        self._server = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+        self._server.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        self._server.setblocking(False)
+        self._server.bind((host, port))
+        self._server.listen(4)
+        self._client: socket.socket | None = None
+        self._idle: list[socket.socket] = []
+        self._backlog = bytearray()
+
+    def sockets(self) -> list[socket.socket]:
+        """Server and client."""
+        return [self._server] if self._client is None else [self._server, self._client]
+
+    def receive(self) -> list[bytes]:
+        """Accept a client; what the client has sent."""
+        self._accept()
+        chunks: list[bytes] = []
+        while self._client is not None:
+            try:
+                data = self._client.recv(_CHUNK)
+            except BlockingIOError:
+                break
+            except ConnectionError:
+                data = b""
+            if not data:
+                self.drop()
+                break
+            chunks.append(data)
+        return chunks
+
+    def _accept(self) -> None:
+        try:
+            client, _ = self._server.accept()
+        except (BlockingIOError, ConnectionError):
+            return
+        client.setblocking(False)
+        if self._client is None:
+            client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            self._client = client
+        else:
+            self._idle.append(client)
+
+    def send(self, frame: bytes) -> None:
+        """Queue and send; a client that does not read loses the connection's oldest megabyte."""
+        if self._client is None:
+            return
+        self._backlog += frame
+        try:
+            sent = self._client.send(self._backlog)
+        except BlockingIOError:
+            sent = 0
+        except ConnectionError:
+            self.drop()
+            return
+        del self._backlog[:sent]
+        if len(self._backlog) > _BACKLOG_MAX:
+            self.drop()
+
+    def drop(self) -> None:
+        """End the client's connection."""
+        if self._client is not None:
+            self._client.close()
+        self._client = None
+        self._backlog.clear()
+
+    def close(self) -> None:
+        """Close everything."""
+        self.drop()
+        for client in self._idle:
+            client.close()
+        self._server.close()
+
+    @property
+    def address(self) -> tuple[str, int]:
+        """Local host and port."""
+        host, port = self._server.getsockname()
+        return host, port
+
+
+@dataclass(frozen=True)
+class EndpointSpec:
+    """`tcp`, `udp` (listening) or `udpto` (sending), host and port; port 0 takes a free one."""
+
+    kind: str
+    host: str
+    port: int
+
+    @classmethod
+    def parse(cls, text: str) -> EndpointSpec:
+        """Read `kind:host:port`."""
+        parts = text.split(":")
+        if len(parts) != 3 or parts[0] not in ("tcp", "udp", "udpto") or not parts[2].isdigit():
+            raise InputError(
+                f"Endpoint '{text}' must be tcp:HOST:PORT, udp:HOST:PORT or udpto:HOST:PORT."
+            )
+        return cls(parts[0], parts[1], int(parts[2]))
+
+    def open(self) -> Endpoint:
+        """Bind it; raises InputError where the address is taken."""
+        try:
+            if self.kind == "tcp":
+                return TcpEndpoint(self.host, self.port)
+            if self.kind == "udp":
+                return UdpEndpoint(self.host, self.port)
+            return UdpEndpoint(self.host, 0, (self.host, self.port))
+        except OSError as error:
+            raise InputError(
+                f"Endpoint {self.kind}:{self.host}:{self.port} cannot be opened: {error}. "
+                "Choose another port."
+            ) from error

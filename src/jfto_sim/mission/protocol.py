@@ -1,0 +1,286 @@
+"""The mission transfer protocol as ArduCopter 4.5.5 answers it, one upload at a time per list."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from jfto_sim.dialect import INFO, WARNING, Message, mavlink
+from jfto_sim.mission import items as kinds
+from jfto_sim.mission.items import Item
+from jfto_sim.mission.store import CAPACITY, FENCE, MISSION, RALLY, RALLY_POINT, fence_fault
+
+if TYPE_CHECKING:
+    from jfto_sim.vehicle import Vehicle
+
+REPEAT_S = 1.0
+GIVE_UP_S = 8.0
+
+
+@dataclass
+class Upload:
+    """A transfer to the vehicle in progress; `last` is the seq that ends it."""
+
+    port: int
+    system: int
+    component: int
+    next_seq: int
+    last: int
+    heard_s: float
+    asked_s: float
+    told_of_float: bool = False
+    gathered: list[Item] = field(default_factory=list)
+
+
+class MissionProtocol:
+    """Answers MISSION_* messages; `tick` repeats requests and gives up after 8 seconds."""
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        self.vehicle = vehicle
+        self.uploads: dict[int, Upload] = {}
+
+    def handle(self, message: Message, port: int) -> None:
+        """Take one message of the mission protocol."""
+        getattr(self, "_on_" + message.get_type().lower())(message, port)
+
+    # --- to the vehicle ---
+
+    def _on_mission_count(self, m: Message, port: int) -> None:
+        kind = m.mission_type
+        if not self._type_carried(m, port):
+            return
+        open_upload = self.uploads.get(kind)
+        sender = (m.get_srcSystem(), m.get_srcComponent())
+        if open_upload and (open_upload.system, open_upload.component) != sender:
+            self._ack(m, port, mavlink.MAV_MISSION_DENIED)
+            return
+        self.uploads.pop(kind, None)
+        if m.count > CAPACITY[kind]:
+            self._ack(m, port, mavlink.MAV_MISSION_NO_SPACE)
+            self.vehicle.text(WARNING, f"Only {CAPACITY[kind]} items are supported", port)
+            return
+        if kind == MISSION and self.vehicle.store.truncate(m.count):
+            self.vehicle.mission_changed()
+        if m.count == 0:
+            if kind != MISSION:
+                self.vehicle.store.replace(kind, [])
+            self._finished(m, port, kind)
+            return
+        self._begin(m, port, 0, m.count - 1)
+
+    def _on_mission_write_partial_list(self, m: Message, port: int) -> None:
+        if not self._type_carried(m, port):
+            return
+        if m.mission_type in self.uploads:
+            self._ack(m, port, mavlink.MAV_MISSION_DENIED)
+            return
+        if m.mission_type != MISSION or not self._range_fits(m):
+            self.vehicle.text(WARNING, "Flight plan update rejected", port)
+            self._ack(m, port, mavlink.MAV_MISSION_ERROR)
+            return
+        self._begin(m, port, m.start_index, m.end_index)
+
+    def _range_fits(self, m: Message) -> bool:
+        count = self.vehicle.store.count(m.mission_type)
+        return 0 <= m.start_index <= m.end_index < count
+
+    def _begin(self, m: Message, port: int, first: int, last: int) -> None:
+        now = self.vehicle.time_s
+        upload = Upload(port, m.get_srcSystem(), m.get_srcComponent(), first, last, now, now)
+        self.uploads[m.mission_type] = upload
+        self._ask(m.mission_type, upload)
+
+    def _ask(self, kind: int, upload: Upload) -> None:
+        upload.asked_s = self.vehicle.time_s
+        request = mavlink.MAVLink_mission_request_message(
+            upload.system, upload.component, upload.next_seq, kind
+        )
+        self.vehicle.send(upload.port, request)
+
+    def _on_mission_item_int(self, m: Message, port: int) -> None:
+        if m.mission_type not in (MISSION, FENCE, RALLY):
+            return
+        kind = m.mission_type
+        upload = self.uploads.get(kind)
+        if upload is None:
+            self._ack(m, port, mavlink.MAV_MISSION_ERROR)
+            return
+        if (upload.system, upload.component) != (m.get_srcSystem(), m.get_srcComponent()):
+            self._ack(m, port, mavlink.MAV_MISSION_DENIED)
+            return
+        if m.seq != upload.next_seq:
+            self._ack(m, port, mavlink.MAV_MISSION_INVALID_SEQUENCE)
+            return
+        fault = self._store_item(m, upload)
+        if fault:
+            self.uploads.pop(kind, None)
+            self._ack(m, port, fault)
+            return
+        upload.heard_s = self.vehicle.time_s
+        if m.seq >= upload.last:
+            self._complete(m, port, upload)
+            return
+        upload.next_seq += 1
+        self._ask(kind, upload)
+
+    def _on_mission_item(self, m: Message, port: int) -> None:
+        upload = self.uploads.get(m.mission_type)
+        if m.mission_type == MISSION and upload and not upload.told_of_float:
+            upload.told_of_float = True
+            note = "got MISSION_ITEM; GCS should send MISSION_ITEM_INT"
+            self.vehicle.text(WARNING, note, port)
+        self._on_mission_item_int(m, port)
+
+    def _store_item(self, m: Message, upload: Upload) -> int:
+        if m.mission_type != MISSION:
+            params = (m.param1, m.param2, m.param3, m.param4)
+            frame = kinds.GLOBAL if m.mission_type == FENCE else kinds.RELATIVE
+            known = (
+                m.command == RALLY_POINT if m.mission_type == RALLY else 5000 <= m.command < 5005
+            )
+            if not known:
+                return mavlink.MAV_MISSION_UNSUPPORTED
+            upload.gathered.append(Item(m.command, frame, params, int(m.x), int(m.y), m.z))
+            return 0
+        item, fault = kinds.parse(m)
+        if item is None:
+            return fault
+        if item.command == kinds.JUMP:
+            target = item.params[0]
+            if target == 0 or target > max(upload.last, self.vehicle.store.count(MISSION) - 1):
+                return mavlink.MAV_MISSION_ERROR
+        if m.seq > self.vehicle.store.count(MISSION):
+            return mavlink.MAV_MISSION_ERROR
+        self.vehicle.store.put(m.seq, item)
+        self.vehicle.mission_changed()
+        return 0
+
+    def _complete(self, m: Message, port: int, upload: Upload) -> None:
+        self.uploads.pop(m.mission_type, None)
+        if m.mission_type == FENCE and fence_fault(upload.gathered):
+            self._ack(m, port, mavlink.MAV_MISSION_ERROR)
+            return
+        if m.mission_type != MISSION:
+            self.vehicle.store.replace(m.mission_type, upload.gathered)
+        self._finished(m, port, m.mission_type)
+
+    def _finished(self, m: Message, port: int, kind: int) -> None:
+        self._ack(m, port, mavlink.MAV_MISSION_ACCEPTED)
+        title = {MISSION: "Flight plan", FENCE: "Fence", RALLY: "Rally"}[kind]
+        self.vehicle.text(INFO, f"{title} received", port)
+
+    def tick(self) -> None:
+        """Repeat unanswered requests every second, give up 8 s after the last accepted item."""
+        now = self.vehicle.time_s
+        for kind, upload in list(self.uploads.items()):
+            if now - upload.heard_s >= GIVE_UP_S:
+                del self.uploads[kind]
+                done = mavlink.MAVLink_mission_ack_message(
+                    upload.system,
+                    upload.component,
+                    mavlink.MAV_MISSION_OPERATION_CANCELLED,
+                    kind,
+                )
+                self.vehicle.send(upload.port, done)
+                self.vehicle.text(WARNING, "Mission upload timeout", upload.port)
+            elif now - upload.asked_s >= REPEAT_S:
+                self._ask(kind, upload)
+
+    # --- from the vehicle ---
+
+    def _on_mission_request_list(self, m: Message, port: int) -> None:
+        if not self._type_carried(m, port):
+            return
+        if m.mission_type in self.uploads:
+            self._ack(m, port, mavlink.MAV_MISSION_DENIED)
+            return
+        self._send_count(m, port)
+
+    def _send_count(self, m: Message, port: int) -> None:
+        count = mavlink.MAVLink_mission_count_message(
+            m.get_srcSystem(),
+            m.get_srcComponent(),
+            self.vehicle.store.count(m.mission_type),
+            m.mission_type,
+        )
+        self.vehicle.send(port, count)
+
+    def _on_mission_request_int(self, m: Message, port: int) -> None:
+        item = self._wanted(m, port)
+        if item is None:
+            return
+        answer = mavlink.MAVLink_mission_item_int_message(
+            m.get_srcSystem(), m.get_srcComponent(), m.seq, item.frame, item.command,
+            0, 1 if m.mission_type == MISSION else 0, *item.params,
+            item.x, item.y, item.z_m, m.mission_type,
+        )  # fmt: skip
+        self.vehicle.send(port, answer)
+
+    def _on_mission_request(self, m: Message, port: int) -> None:
+        item = self._wanted(m, port)
+        if item is None:
+            return
+        if not self.vehicle.told_of_old_request:
+            self.vehicle.told_of_old_request = True
+            note = "got MISSION_REQUEST; use MISSION_REQUEST_INT!"
+            self.vehicle.text(WARNING, note, port)
+        answer = mavlink.MAVLink_mission_item_message(
+            m.get_srcSystem(), m.get_srcComponent(), m.seq, item.frame, item.command,
+            0, 1 if m.mission_type == MISSION else 0, *item.params,
+            item.x * 1e-7, item.y * 1e-7, item.z_m, m.mission_type,
+        )  # fmt: skip
+        self.vehicle.send(port, answer)
+
+    def _wanted(self, m: Message, port: int) -> Item | None:
+        kind = m.mission_type
+        if not self._type_carried(m, port):
+            return None
+        if kind in self.uploads:
+            self._ack(m, port, mavlink.MAV_MISSION_DENIED)
+            return None
+        if kind == MISSION and m.seq == 0:
+            return kinds.with_home(self.vehicle.home_item())
+        if m.seq >= self.vehicle.store.count(kind):
+            self._send_count(m, port)
+            self._ack(m, port, mavlink.MAV_MISSION_ERROR)
+            return None
+        return self.vehicle.store.lists[kind][m.seq]
+
+    def _on_mission_clear_all(self, m: Message, port: int) -> None:
+        if not self._type_carried(m, port):
+            return
+        kind = m.mission_type
+        if kind in self.uploads or (kind == MISSION and self.vehicle.mission_busy):
+            self._ack(m, port, mavlink.MAV_MISSION_ERROR)
+            return
+        if kind == MISSION:
+            self.vehicle.store.truncate(0)
+            self.vehicle.mission_changed()
+        else:
+            self.vehicle.store.replace(kind, [])
+        self._ack(m, port, mavlink.MAV_MISSION_ACCEPTED)
+
+    def _on_mission_set_current(self, m: Message, port: int) -> None:
+        if m.mission_type == MISSION and self.vehicle.set_mission_current(m.seq):
+            self.vehicle.send_now(port, mavlink.MAVLINK_MSG_ID_MISSION_CURRENT)
+
+    def _on_mission_ack(self, m: Message, port: int) -> None:
+        """The station's receipt after a read-back changes nothing here."""
+
+    # --- shared ---
+
+    def _type_carried(self, m: Message, port: int) -> bool:
+        if m.mission_type not in (MISSION, FENCE, RALLY):
+            self._ack(m, port, mavlink.MAV_MISSION_UNSUPPORTED)
+            return False
+        if m.mission_type != MISSION and self.vehicle.ports[port].mavlink1:
+            self.vehicle.text(WARNING, "Need mavlink2 for item transfer", port)
+            self._ack(m, port, mavlink.MAV_MISSION_UNSUPPORTED)
+            return False
+        return True
+
+    def _ack(self, m: Message, port: int, result: int) -> None:
+        ack = mavlink.MAVLink_mission_ack_message(
+            m.get_srcSystem(), m.get_srcComponent(), result, m.mission_type
+        )
+        self.vehicle.send(port, ack)

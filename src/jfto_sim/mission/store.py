@@ -1,0 +1,70 @@
+"""The vehicle's stored lists: mission, fence, rally. They outlive a restart."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from jfto_sim.mission.items import Item
+
+MISSION, FENCE, RALLY = 0, 1, 2
+MISSION_CAPACITY = 650
+CAPACITY = {MISSION: MISSION_CAPACITY, FENCE: 83, RALLY: 19}
+POLYGON_IN, POLYGON_OUT, CIRCLE_IN, CIRCLE_OUT, RETURN_POINT = 5001, 5002, 5003, 5004, 5000
+RALLY_POINT = 5100
+
+
+@dataclass
+class Store:
+    """Items by mission type; `changes` counts every change of the mission."""
+
+    lists: dict[int, list[Item]] = field(
+        default_factory=lambda: {MISSION: [], FENCE: [], RALLY: []}
+    )
+    changes: int = 0
+
+    def count(self, kind: int) -> int:
+        """How many items a list holds."""
+        return len(self.lists[kind])
+
+    @property
+    def mission(self) -> list[Item]:
+        """The mission, home included as item 0."""
+        return self.lists[MISSION]
+
+    def truncate(self, count: int) -> bool:
+        """Shorten the mission; true if that changed it."""
+        if count >= len(self.mission):
+            return False
+        del self.mission[count:]
+        self.changes += 1
+        return True
+
+    def put(self, seq: int, item: Item) -> None:
+        """Replace or append one mission item."""
+        if seq < len(self.mission):
+            self.mission[seq] = item
+        else:
+            self.mission.append(item)
+        self.changes += 1
+
+    def replace(self, kind: int, items: list[Item]) -> None:
+        """Replace a whole fence or rally list."""
+        self.lists[kind] = items
+
+
+def fence_fault(items: list[Item]) -> bool:
+    """Whether fence items do not make whole figures: polygons need 3 corners or more, in a row."""
+    left, kind, size = 0, 0, 0.0
+    for item in items:
+        if item.command in (POLYGON_IN, POLYGON_OUT):
+            if left == 0:
+                size = item.params[0]
+                left, kind = int(size), item.command
+                if left < 3:
+                    return True
+            elif item.command != kind or item.params[0] != size:
+                return True
+            left -= 1
+        elif left or item.command not in (CIRCLE_IN, CIRCLE_OUT, RETURN_POINT):
+            return True
+    return left != 0

@@ -1,0 +1,116 @@
+"""The flying body: position, velocity, tilt and heading, stepped towards a target."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from jfto_sim.geodesy import wrap_180, wrap_360
+from jfto_world.motion.arducopter.follower import (
+    INTEGRAL,
+    RATE,
+    THRUST,
+    clock_step,
+    follow_step,
+    follower_parameters,
+    hover_state,
+)
+from jfto_world.motion.arducopter.wpnav import GRAVITY_MPS2, Airframe, WpNav
+
+_YAW_LAG_S = 0.3
+_FALL_MPS2 = 6.2  # net downward acceleration measured with one motor at a fifth of its thrust
+_TUMBLE_DEG = 60.0
+
+
+class Body:
+    """State of the airframe in metres east, north, up of home, and its heading.
+
+    `target` is (3, 3): position, velocity and acceleration asked for. `landed` means that it
+    stands on the ground, which is flat at the height of the power-up point.
+    """
+
+    def __init__(self, airframe: Airframe, heading_deg: float) -> None:
+        self.airframe = airframe
+        self.state = hover_state(np.zeros(3))
+        self.target = np.zeros((3, 3))
+        self.yaw_deg = wrap_360(heading_deg)
+        self.yaw_rate_dps = 0.0
+        self.landed = True
+        self.failed = False
+        self.failed_for_s = 0.0
+        self.hit_ground_mps = 0.0
+        self._parameters = follower_parameters(WpNav(), airframe)
+
+    def configure(self, wpnav: WpNav) -> None:
+        """Take new limits for tilt and the planner's clock."""
+        self._parameters = follower_parameters(wpnav, self.airframe)
+
+    @property
+    def position_m(self) -> tuple[float, float, float]:
+        """East, north, up of the power-up point."""
+        return float(self.state[0]), float(self.state[1]), float(self.state[2])
+
+    @property
+    def velocity_mps(self) -> tuple[float, float, float]:
+        """Velocity east, north, up."""
+        return float(self.state[3]), float(self.state[4]), float(self.state[5])
+
+    @property
+    def attitude_deg(self) -> tuple[float, float]:
+        """Roll and pitch that make the horizontal acceleration now in force."""
+        if self.failed and not self.landed:
+            return _TUMBLE_DEG * min(1.0, self.failed_for_s), -_TUMBLE_DEG * 0.5
+        if self.landed:
+            return 0.0, 0.0
+        east, north = float(self.state[THRUST]), float(self.state[THRUST + 1])
+        yaw = math.radians(self.yaw_deg)
+        forward = north * math.cos(yaw) + east * math.sin(yaw)
+        right = east * math.cos(yaw) - north * math.sin(yaw)
+        pitch = -math.degrees(math.atan2(forward, GRAVITY_MPS2))
+        roll = math.degrees(math.atan2(right, GRAVITY_MPS2))
+        return roll, pitch
+
+    def rest(self) -> None:
+        """Forget velocity, tilt and integrators: the vehicle stands on the ground."""
+        self.state[3:] = 0.0
+        self.state[RATE] = 1.0
+
+    def restart_clock(self) -> None:
+        """Let the planner's clock run at full rate again."""
+        self.state[RATE] = 1.0
+
+    def planner_step(self, dt_s: float) -> float:
+        """Advance of the planner's clock in `dt_s`: less while the vehicle lags behind."""
+        return float(clock_step(self.state, self.target, self._parameters, dt_s)) * dt_s
+
+    def turn(self, wanted_deg: float, rate_dps: float, dt_s: float) -> None:
+        """Turn towards a heading; `rate_dps` is fed forward."""
+        before = self.yaw_deg
+        error = wrap_180(wanted_deg - self.yaw_deg)
+        share = 1.0 - math.exp(-dt_s / _YAW_LAG_S)
+        self.yaw_deg = wrap_360(self.yaw_deg + error * share + rate_dps * dt_s * (1.0 - share))
+        self.yaw_rate_dps = wrap_180(self.yaw_deg - before) / dt_s
+
+    def fly(self, wind_mps: tuple[float, float], dt_s: float) -> None:
+        """One step in the air; touching the ground ends it."""
+        if self.failed:
+            self._fall(dt_s)
+        else:
+            follow_step(self.state, self.target, self._parameters, wind_mps[0], wind_mps[1], dt_s)
+        if self.state[2] <= 0.0 and self.state[5] <= 0.0:
+            self.hit_ground_mps = -float(self.state[5])
+            self.state[2] = 0.0
+            self.rest()
+            self.landed = True
+
+    def _fall(self, dt_s: float) -> None:
+        self.failed_for_s += dt_s
+        self.state[5] -= _FALL_MPS2 * dt_s
+        self.state[:3] += self.state[3:6] * dt_s
+
+    def lift_off(self) -> None:
+        """Leave the ground with nothing wound up."""
+        self.landed = False
+        self.failed_for_s = 0.0
+        self.state[INTEGRAL : INTEGRAL + 2] = 0.0

@@ -1,0 +1,241 @@
+"""Several vehicles on UDP and TCP, in wall time times a speed-up: the thin shell of `Vehicle`."""
+
+from __future__ import annotations
+
+import logging
+import selectors
+import socket
+import threading
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future
+from dataclasses import dataclass
+from queue import Empty, SimpleQueue
+from typing import Any
+
+from jfto_msgs_py.errors import InputError, JftoError
+from jfto_sim import control
+from jfto_sim.config import VehicleConfig
+from jfto_sim.endpoint import Endpoint, EndpointSpec
+from jfto_sim.faults import LinkFaults, LossyPipe
+from jfto_sim.vehicle import Vehicle
+
+_LOG = logging.getLogger(__name__)
+_TICK_S, _STEP_MAX_S = 0.005, 0.5
+_CONTROL_BYTES = 512
+TCP_BASE, UDP_BASE, PORT_STEP = 5760, 14560, 10
+
+
+class Station:
+    """One vehicle with its endpoints and the two lossy directions of each."""
+
+    def __init__(self, vehicle: Vehicle, specs: Sequence[EndpointSpec], seed: int) -> None:
+        if len(specs) > len(vehicle.ports):
+            raise InputError(
+                f"Vehicle {vehicle.sysid} has {len(vehicle.ports)} ports, not {len(specs)}."
+            )
+        self.vehicle = vehicle
+        self.endpoints: list[Endpoint] = []
+        try:
+            for spec in specs:
+                self.endpoints.append(spec.open())
+        except JftoError:
+            self.close()
+            raise
+        self.links = [
+            {
+                "to": LossyPipe(LinkFaults(), seed * 1000 + 2 * k),
+                "from": LossyPipe(LinkFaults(), seed * 1000 + 2 * k + 1),
+            }
+            for k in range(len(specs))
+        ]
+
+    def mend(self) -> None:
+        """All links clean again."""
+        for link in self.links:
+            for pipe in link.values():
+                pipe.faults = LinkFaults()
+
+    def reboot(self) -> None:
+        """Restart the vehicle; connections end."""
+        self.vehicle.reboot()
+        for endpoint in self.endpoints:
+            endpoint.drop()
+
+    def step(self, dt_s: float) -> None:
+        """Read, advance, send. Link delays count in the vehicle's time."""
+        vehicle = self.vehicle
+        now = vehicle.total_s
+        for k, endpoint in enumerate(self.endpoints):
+            pipe = self.links[k]["to"]
+            for chunk in endpoint.receive():
+                pipe.put(chunk, now)
+            for chunk in pipe.take(now + dt_s):
+                vehicle.handle(chunk, k)
+        boots = vehicle.boots
+        for port, frame in vehicle.advance(dt_s):
+            if port < len(self.links):
+                self.links[port]["from"].put(frame, vehicle.total_s)
+        for k, endpoint in enumerate(self.endpoints):
+            for frame in self.links[k]["from"].take(vehicle.total_s):
+                endpoint.send(frame)
+            if vehicle.boots != boots:
+                endpoint.drop()
+
+    def close(self) -> None:
+        """Give the sockets back."""
+        for endpoint in self.endpoints:
+            endpoint.close()
+
+
+@dataclass(frozen=True)
+class ServerSettings:
+    """`endpoints[k]` are the ports of vehicle k, SERIAL0 first; `control_port` 0 takes any."""
+
+    endpoints: tuple[tuple[str, ...], ...]
+    speedup: float = 1.0
+    seed: int = 0
+    faults: tuple[str, ...] = ()
+    control_port: int | None = None
+
+
+def default_endpoints(count: int, host: str = "127.0.0.1") -> tuple[tuple[str, ...], ...]:
+    """SERIAL0 on TCP 5760 + 10 k as ArduPilot's simulation has it, SERIAL1 on UDP 14560 + 10 k."""
+    return tuple(
+        (f"tcp:{host}:{TCP_BASE + PORT_STEP * k}", f"udp:{host}:{UDP_BASE + PORT_STEP * k}")
+        for k in range(count)
+    )
+
+
+class SimServer:
+    """Runs vehicles in one thread of its own; everything else talks to them through `call`."""
+
+    def __init__(self, configs: Sequence[VehicleConfig], settings: ServerSettings) -> None:
+        if not settings.speedup > 0:
+            raise InputError(f"speedup is {settings.speedup}, must be positive.")
+        if len(configs) != len(settings.endpoints):
+            raise InputError(
+                f"{len(configs)} vehicles but endpoints for {len(settings.endpoints)}."
+            )
+        self.settings = settings
+        self.stations: dict[int, Station] = {}
+        self._calls: SimpleQueue[tuple[Callable[[], Any], Future[Any]]] = SimpleQueue()
+        self._stop = threading.Event()
+        self._thread: threading.Thread | None = None
+        self._control: socket.socket | None = None
+        try:
+            for config, texts in zip(configs, settings.endpoints, strict=True):
+                if config.sysid in self.stations:
+                    raise InputError(f"Two vehicles have the system id {config.sysid}.")
+                specs = [EndpointSpec.parse(text) for text in texts]
+                vehicle = Vehicle(config)
+                vehicle.params.store("SIM_SPEEDUP", settings.speedup)
+                self.stations[config.sysid] = Station(vehicle, specs, settings.seed + config.sysid)
+            if settings.control_port is not None:
+                self._control = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+                self._control.setblocking(False)
+                self._control.bind(("127.0.0.1", settings.control_port))
+            for line in settings.faults:
+                control.apply(self.stations, line)
+        except JftoError:
+            self._close()
+            raise
+
+    def addresses(self, sysid: int) -> list[tuple[str, int]]:
+        """Host and port of each endpoint of a vehicle."""
+        return [endpoint.address for endpoint in self.stations[sysid].endpoints]
+
+    @property
+    def control_address(self) -> tuple[str, int] | None:
+        """Where fault lines are taken, if anywhere."""
+        if self._control is None:
+            return None
+        host, port = self._control.getsockname()
+        return host, port
+
+    def run(self) -> None:
+        """Serve until `stop`; blocks."""
+        before = time.monotonic()
+        try:
+            while not self._stop.is_set():
+                self._wait()
+                now = time.monotonic()
+                elapsed, before = now - before, now
+                self._run_calls()
+                self._read_control()
+                for station in self.stations.values():
+                    speed = max(station.vehicle.params["SIM_SPEEDUP"], 0.01)
+                    station.step(min(elapsed * speed, _STEP_MAX_S * speed))
+        finally:
+            self._close()
+
+    def _wait(self) -> None:
+        with selectors.DefaultSelector() as waiting:
+            for station in self.stations.values():
+                for endpoint in station.endpoints:
+                    for sock in endpoint.sockets():
+                        waiting.register(sock, selectors.EVENT_READ)
+            waiting.select(_TICK_S)
+
+    def _run_calls(self) -> None:
+        while True:
+            try:
+                function, future = self._calls.get_nowait()
+            except Empty:
+                return
+            try:
+                future.set_result(function())
+            except JftoError as error:
+                future.set_exception(error)
+
+    def _read_control(self) -> None:
+        if self._control is None:
+            return
+        while True:
+            try:
+                data, peer = self._control.recvfrom(_CONTROL_BYTES)
+            except (BlockingIOError, ConnectionError):
+                return
+            answer = "ok"
+            try:
+                control.apply(self.stations, data.decode("utf-8", "replace"))
+            except JftoError as error:
+                answer = f"error: {error}"
+            self._control.sendto(answer.encode(), peer)
+
+    def call(self, function: Callable[[], Any], timeout_s: float = 10.0) -> Any:
+        """Run a function in the server's thread and return its result."""
+        future: Future[Any] = Future()
+        self._calls.put((function, future))
+        return future.result(timeout_s)
+
+    def fault(self, line: str) -> None:
+        """Carry out a fault line of `control`."""
+        self.call(lambda: control.apply(self.stations, line))
+
+    def start(self) -> SimServer:
+        """Serve in a thread."""
+        self._thread = threading.Thread(target=self.run, name="jfto_sim", daemon=True)
+        self._thread.start()
+        return self
+
+    def stop(self) -> None:
+        """End serving and close the sockets."""
+        self._stop.set()
+        if self._thread is not None:
+            self._thread.join()
+
+    def _close(self) -> None:
+        for station in self.stations.values():
+            station.close()
+        if self._control is not None:
+            self._control.close()
+
+    def __enter__(self) -> SimServer:
+        return self.start()
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
+
+
+__all__ = ["ServerSettings", "SimServer", "Station", "default_endpoints"]
