@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from jfto_mavlink.dialect import enum_name, mavlink
+from jfto_mavlink.dialect import enum_name, mavlink, mode_name
 from jfto_mavlink.errors import CommandError
-from jfto_mavlink.exchange import Context, Exchange, Send, Wait, backoff, wait_until
+from jfto_mavlink.exchange import Context, Exchange, Send, Wait, backoff, wait_for, wait_until
 
 # Texts such as "Arm: Battery 1 below minimum arming voltage" follow the refusal within this time.
 REASON_WAIT_S = 0.3
 PROGRESS_WAIT_S = 10.0
 REJECTED_WAIT_S = 1.0
+SEEN_ROUNDS = 3
 
 _CODES = {
     mavlink.MAV_RESULT_DENIED: 502,
@@ -26,7 +27,7 @@ _CODES = {
 class Persistence:
     """How long to keep asking."""
 
-    tries: int = 8
+    tries: int = 12
     ceiling_s: float = 2.0
 
 
@@ -100,20 +101,38 @@ def request_message(context: Context, message_id: int) -> Exchange[None]:
     yield from send_command(context, mavlink.MAV_CMD_REQUEST_MESSAGE, (float(message_id),))
 
 
+def command_seen(
+    context: Context,
+    command: int,
+    params: tuple[float, ...],
+    seen: Callable[[], bool],
+    what: str,
+    wait_s: float = 3.0,
+) -> Exchange[None]:
+    """Send a command until the vehicle's state shows that it worked.
+
+    An acknowledgement may be the late answer to an earlier command of the same kind, so it proves
+    nothing by itself. Raises CommandError, 505 if it is accepted but never seen to work.
+    """
+    since_s = context.clock()
+    for _ in range(SEEN_ROUNDS):
+        yield from send_command(context, command, params, already=seen)
+        if (yield from wait_for(context, seen, wait_s)):
+            return
+    raise CommandError(
+        505,
+        f"{context.uav}: {enum_name('MAV_CMD', command)} accepted {SEEN_ROUNDS} times, but it is "
+        f"not {what}.",
+        tuple(context.vehicle.texts_since(since_s)),
+    )
+
+
 def set_mode(context: Context, mode: int) -> Exchange[None]:
     """Change the flight mode and see it in a heartbeat; raises CommandError."""
-    yield from send_command(
+    yield from command_seen(
         context,
         mavlink.MAV_CMD_DO_SET_MODE,
         (float(mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED), float(mode)),
-        already=lambda: context.vehicle.mode == mode,
+        lambda: context.vehicle.mode == mode,
+        f"in mode {mode_name(mode)}",
     )
-    until_s = context.clock() + 3.0
-    while context.vehicle.mode != mode:
-        if context.clock() >= until_s:
-            raise CommandError(
-                505,
-                f"{context.uav}: mode change accepted, but the mode is still "
-                f"{context.vehicle.mode_name}.",
-            )
-        yield Wait(until_s)

@@ -19,14 +19,14 @@ from jfto_mavlink.link.framing import Frame
 from jfto_mavlink.link.port import Station
 from jfto_mavlink.link.transport import Peer
 from jfto_mavlink.roster import Roster, RosterEntry
-from jfto_mavlink.streams import DEFAULT_RATES, greet
+from jfto_mavlink.streams import DEFAULT_RATES, greet, missing_streams
 from jfto_mavlink.vehicle import Vehicle, uid_text
 from jfto_mavlink.watch import Event, Watch
 
 HEARTBEAT_EVERY_S = 1.0
 TIMESYNC_EVERY_S = 1.0
-# The fast stream silent for this long, while heartbeats come, has to be asked for again.
-STREAM_SILENT_S = 3.0
+# Without heartbeats for this long nothing is asked for.
+SILENT_S = 3.0
 ASK_AGAIN_S = 5.0
 FOREIGN_KEPT = 256
 NS = 1_000_000_000
@@ -212,18 +212,21 @@ class Hub:
                 track.greeted_s = now_s
                 self._transmit(track.entry.link, peer, _ask_version(track.context))
         fresh = track.greeted_boot != vehicle.reboots
-        heard = vehicle.silent_s(now_s) < STREAM_SILENT_S
-        quiet = vehicle.position_s is None or now_s - vehicle.position_s > STREAM_SILENT_S
-        unknown = not track.identity.known
-        again = now_s - track.greeted_s > ASK_AGAIN_S
-        if heard and (fresh or (again and (quiet or unknown))):
-            track.greeted_boot, track.greeted_s = vehicle.reboots, now_s
-            track.greeting = Activity(
-                greet(track.context, self._rates),
-                lambda message: self._send(track, message),
-                lambda _report: None,
-            )
-            track.activities.append(track.greeting)
+        silent = vehicle.silent_s(now_s) > SILENT_S
+        if silent or not (fresh or now_s - track.greeted_s > ASK_AGAIN_S):
+            return
+        wanted = self._rates
+        if not fresh:
+            wanted = missing_streams(vehicle, self._rates, track.greeted_s, now_s)
+            if track.identity.known and not wanted:
+                return
+        track.greeted_boot, track.greeted_s = vehicle.reboots, now_s
+        track.greeting = Activity(
+            greet(track.context, wanted),
+            lambda message: self._send(track, message),
+            lambda _report: None,
+        )
+        track.activities.append(track.greeting)
 
 
 def _ask_version(context: Context) -> Message:

@@ -11,6 +11,7 @@ from jfto_mavlink.command import Persistence, request_message, send_command
 from jfto_mavlink.dialect import mavlink
 from jfto_mavlink.errors import CommandError
 from jfto_mavlink.exchange import Context, Exchange, Report
+from jfto_mavlink.vehicle import Vehicle
 
 # Message id -> rate in Hz.
 DEFAULT_RATES: Mapping[int, float] = {
@@ -27,17 +28,30 @@ DEFAULT_RATES: Mapping[int, float] = {
 _PERSISTENCE = Persistence(tries=6, ceiling_s=1.5)
 
 
+# A stream is taken for missing after this many of its periods, and this time at least.
+_MISSING_PERIODS = 4.0
+_MISSING_S = 3.0
+
+
+def missing_streams(
+    vehicle: Vehicle, rates: Mapping[int, float], since_s: float, now_s: float
+) -> dict[int, float]:
+    """Streams wanted that have not been heard lately; `since_s` is when they were asked for."""
+    return {
+        message_id: rate_hz
+        for message_id, rate_hz in rates.items()
+        if now_s - max(vehicle.seen_s.get(message_id, since_s), since_s)
+        > max(_MISSING_S, _MISSING_PERIODS / rate_hz)
+    }
+
+
 def greet(context: Context, rates: Mapping[int, float]) -> Exchange[None]:
     """Ask who the vehicle is and for its streams; what it refuses is reported and left out."""
-    for message_id in (
-        mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION,
-        mavlink.MAVLINK_MSG_ID_HOME_POSITION,
-    ):
-        try:
-            yield from request_message(context, message_id)
-        except CommandError as error:
-            # Home is not known before the first position fix; it comes by itself then.
-            yield Report(str(error))
+    if context.vehicle.uid is None:
+        yield from _ask(context, mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION)
+    if context.vehicle.home_deg_m is None:
+        # Not known before the first position fix; it comes by itself then.
+        yield from _ask(context, mavlink.MAVLINK_MSG_ID_HOME_POSITION)
     for message_id, rate_hz in rates.items():
         try:
             yield from send_command(
@@ -48,3 +62,10 @@ def greet(context: Context, rates: Mapping[int, float]) -> Exchange[None]:
             )
         except CommandError as error:
             yield Report(str(error))
+
+
+def _ask(context: Context, message_id: int) -> Exchange[None]:
+    try:
+        yield from request_message(context, message_id)
+    except CommandError as error:
+        yield Report(str(error))

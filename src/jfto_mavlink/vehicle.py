@@ -44,7 +44,10 @@ class Reached:
 
 @dataclass
 class Vehicle:
-    """State of one vehicle. Times are those of the clock given to `update`."""
+    """State of one vehicle. Times are those of the clock given to `update`.
+
+    `seen_s` is when each message id was last heard.
+    """
 
     uav: str
     heard_s: float | None = None
@@ -78,11 +81,13 @@ class Vehicle:
     reached: deque[Reached] = field(default_factory=lambda: deque(maxlen=TEXTS_KEPT))
     reached_count: int = 0
     time_sync: TimeSync = field(default_factory=TimeSync)
+    seen_s: dict[int, float] = field(default_factory=dict)
     _partial_text: tuple[int, str] = (0, "")
 
     def update(self, message: Message, now_s: float) -> None:
         """Take in a message of the vehicle's autopilot."""
         self.heard_s = now_s
+        self.seen_s[message.get_msgId()] = now_s
         handler = _HANDLERS.get(message.get_type())
         if handler is not None:
             handler(self, message, now_s)

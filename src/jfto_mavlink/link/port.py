@@ -38,15 +38,23 @@ class PortCounters:
 
 
 class Port:
-    """A link that speaks MAVLink. `index` is its link id in signatures."""
+    """A link that speaks MAVLink. `index` is its link id in signatures.
+
+    `transport` replaces the one that the address names, for links that exist in memory only.
+    """
 
     def __init__(
-        self, address: LinkAddress, station: Station, index: int, signer: Signer | None = None
+        self,
+        address: LinkAddress,
+        station: Station,
+        index: int,
+        signer: Signer | None = None,
+        transport: Transport | None = None,
     ) -> None:
         self.address = address
         self.signer = signer
         self.counters = PortCounters()
-        self.transport = open_transport(address)
+        self.transport = transport or open_transport(address)
         self._index = index
         self._codec = mavlink.MAVLink(None, station.system, station.component)
         self._framers: OrderedDict[Peer, Framer] = OrderedDict()

@@ -136,12 +136,12 @@ class _Upload:
         state, patience = self.state, self.patience
         alive_s = max(state.begun_s, self.context.vehicle.heard_s or 0.0)
         if now_s - alive_s > patience.lost_s:
-            raise self._error(403, f"silent for {patience.lost_s:g} s.")
+            raise self._error(403, f"silent for {patience.lost_s:g} s")
         # Longer and longer, so that a slow link is not filled with copies.
         state.wait_s = min(state.wait_s * 1.6, patience.resend_ceiling_s)
         if state.asked is None:
             if now_s - state.progress_s > patience.lost_s and state.busy_since_s is None:
-                raise self._error(403, f"not answered for {patience.lost_s:g} s.")
+                raise self._error(403, f"not answered for {patience.lost_s:g} s")
             yield from self._start(state.wait_s)
             return None
         if now_s - state.progress_s > patience.silence_s:
@@ -160,7 +160,7 @@ class _Upload:
     def _start_over(self, code: int, why: str) -> Exchange[None]:
         state = self.state
         if state.starts >= self.patience.starts:
-            raise self._error(code, f"tried {state.starts} times: {why}.", state.asked)
+            raise self._error(code, f"tried {state.starts} times: {why}", state.asked)
         state.starts += 1
         state.progress_s = self.context.clock()
         yield Report(f"{TYPE_NAMES[self.mission_type]} upload starts over: {why}")
@@ -195,7 +195,7 @@ class _Upload:
             state.busy_since_s = now_s
             yield Report("waiting: another station is writing this vehicle's mission")
         if now_s - state.busy_since_s > self.patience.busy_s:
-            raise self._error(402, f"kept out by another station for {self.patience.busy_s:g} s.")
+            raise self._error(402, f"kept out by another station for {self.patience.busy_s:g} s")
         state.resend_s = now_s + self.patience.busy_retry_s
 
     def _error(self, code: int, reason: str, item: int | None = None) -> TransferError:
@@ -203,4 +203,4 @@ class _Upload:
         texts = self.context.vehicle.texts_since(self.state.begun_s)
         words = "".join(f' "{text}"' for text in texts)
         name = TYPE_NAMES[self.mission_type]
-        return TransferError(code, f"{self.context.uav}: {name} upload {reason}{place}{words}")
+        return TransferError(code, f"{self.context.uav}: {name} upload {reason}{place}.{words}")

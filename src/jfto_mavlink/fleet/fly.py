@@ -1,0 +1,99 @@
+"""A released fleet from its pads to its landing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+from jfto_mavlink.clock import Clock
+from jfto_mavlink.errors import FlightError
+from jfto_mavlink.exchange import Context, Exchange
+from jfto_mavlink.fleet.release import Release, Reporter, Runner
+from jfto_mavlink.flight.control import return_home
+from jfto_mavlink.flight.follow import FlightRecord, follow
+from jfto_mavlink.flight.preflight import GateSettings, gate
+from jfto_mavlink.flight.start import StartLine, start
+from jfto_mavlink.mission.build import VehicleMission
+
+# Time for mode changes and arming before the first vehicle's moment.
+PREPARE_S = 8.0
+
+
+@dataclass(frozen=True)
+class FlySettings:
+    """`stagger_s` is the time between two starts, in the order of the roster."""
+
+    stagger_s: float = 0.0
+    gate: GateSettings = field(default_factory=GateSettings)
+
+
+def check_fleet(
+    runner: Runner,
+    release: Release,
+    missions: Mapping[str, VehicleMission],
+    settings: GateSettings,
+    report: Reporter | None = None,
+) -> None:
+    """Hold every vehicle at the gate; raises FlightError 601 with all that speaks against it."""
+
+    def job(uav: str) -> Callable[[Context], Exchange[tuple[str, ...]]]:
+        home = missions[uav].home_deg_m[:2]
+        return lambda context: gate(context, release.missions[uav], home, settings)
+
+    results = runner.run({uav: job(uav) for uav in release.missions}, report)
+    found: list[str] = []
+    for result in results.values():
+        found += [str(result)] if isinstance(result, Exception) else result
+    if found:
+        raise FlightError(601, "No vehicle is armed. " + "; ".join(found) + ".")
+
+
+def fly_fleet(
+    runner: Runner,
+    clock: Clock,
+    release: Release,
+    missions: Mapping[str, VehicleMission],
+    settings: FlySettings,
+    report: Reporter | None = None,
+) -> dict[str, FlightRecord]:
+    """Check, start and follow all vehicles; returns their flight records.
+
+    If one does not start, those in the air are called home and FlightError 601 says so.
+    """
+    stale = [u for u, m in missions.items() if release.digests.get(u) != m.digest]
+    if stale or set(release.digests) != set(missions):
+        raise FlightError(602, f"{', '.join(stale) or 'the fleet'}: not the released mission.")
+    check_fleet(runner, release, missions, settings.gate, report)
+    begin_s = clock() + PREPARE_S
+    line = StartLine({u: begin_s + k * settings.stagger_s for k, u in enumerate(missions)})
+
+    def journey(uav: str) -> Callable[[Context], Exchange[FlightRecord]]:
+        return lambda context: _journey(context, line, missions[uav])
+
+    results = runner.run({uav: journey(uav) for uav in missions}, report)
+    failed = {uav: r for uav, r in results.items() if isinstance(r, Exception)}
+    if failed:
+        reasons = " ".join(str(error) for error in failed.values())
+        raise FlightError(603, f"The flight was broken off: {reasons}")
+    return {uav: r for uav, r in results.items() if isinstance(r, FlightRecord)}
+
+
+def _journey(context: Context, line: StartLine, mission: VehicleMission) -> Exchange[FlightRecord]:
+    """Start and follow one vehicle; if another one fails, come home."""
+    try:
+        lift_off_s = yield from start(context, line)
+    except Exception:
+        line.failed = line.failed or context.uav
+        raise
+    following = follow(context, mission, lift_off_s)
+    recalled = False
+    step = next(following)
+    while True:
+        if line.failed and not recalled:
+            recalled = True
+            yield from return_home(context)
+        answer = yield step
+        try:
+            step = following.send(answer)
+        except StopIteration as stop:
+            return stop.value

@@ -1,0 +1,1 @@
+"""One vehicle's flight: checks before it, start, control, progress along the route."""

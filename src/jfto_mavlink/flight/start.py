@@ -1,0 +1,110 @@
+"""From the pad into AUTO: GUIDED, arm, seen armed, MISSION_START, seen flying."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from jfto_mavlink.command import command_seen, send_command, set_mode
+from jfto_mavlink.dialect import MODES, mavlink
+from jfto_mavlink.errors import CommandError, FlightError, MavlinkError
+from jfto_mavlink.exchange import Context, Exchange, Report, Wait
+
+# The armed bit shows in the next regular heartbeat, up to a second later.
+ARMED_WAIT_S = 3.0
+# Lift-off comes about 3 s after MISSION_START.
+LIFT_OFF_WAIT_S = 6.0
+# An armed vehicle on the ground disarms itself after 10 s.
+ARM_AHEAD_S = 4.0
+AIRBORNE = (mavlink.MAV_LANDED_STATE_IN_AIR, mavlink.MAV_LANDED_STATE_TAKEOFF)
+
+
+@dataclass
+class StartLine:
+    """Shared by vehicles that start together: nobody goes before all first ones are armed.
+
+    `go_s` maps each vehicle to its moment on the bridge's clock.
+    """
+
+    go_s: dict[str, float]
+    armed: set[str] = field(default_factory=set)
+    failed: str = ""
+
+    def clear_for(self, uav: str) -> bool:
+        """Whether a vehicle may go: everyone whose turn is within its arming time is armed."""
+        mine = self.go_s[uav]
+        return all(
+            other in self.armed for other, at in self.go_s.items() if at <= mine + ARM_AHEAD_S / 2
+        )
+
+
+def start(context: Context, line: StartLine) -> Exchange[float]:
+    """Start a mission at the vehicle's moment; returns the clock when it was seen flying.
+
+    If any vehicle of the line fails to arm, the others disarm again and raise FlightError 601.
+    """
+    try:
+        yield from _arm(context, line)
+        yield from _wait_for_line(context, line)
+    except MavlinkError:
+        line.failed = line.failed or context.uav
+        yield from _disarm(context)
+        raise
+    yield Report("starts its mission")
+    vehicle = context.vehicle
+    yield from command_seen(
+        context,
+        mavlink.MAV_CMD_MISSION_START,
+        (),
+        lambda: vehicle.mode == MODES["AUTO"] and vehicle.landed_state in AIRBORNE,
+        "flying",
+        LIFT_OFF_WAIT_S,
+    )
+    yield Report("flies")
+    return context.clock()
+
+
+def _arm(context: Context, line: StartLine) -> Exchange[None]:
+    yield from set_mode(context, MODES["GUIDED"])
+    arm_s = line.go_s[context.uav] - ARM_AHEAD_S
+    while context.clock() < arm_s:
+        if line.failed:
+            raise _held_back(context, line)
+        yield Wait(arm_s)
+    yield from command_seen(
+        context,
+        mavlink.MAV_CMD_COMPONENT_ARM_DISARM,
+        (1.0,),
+        lambda: context.vehicle.armed,
+        "armed",
+        ARMED_WAIT_S,
+    )
+    line.armed.add(context.uav)
+    yield Report("armed")
+
+
+def _wait_for_line(context: Context, line: StartLine) -> Exchange[None]:
+    go_s = line.go_s[context.uav]
+    late_s = go_s + ARM_AHEAD_S
+    while context.clock() < go_s or not line.clear_for(context.uav):
+        if line.failed:
+            raise _held_back(context, line)
+        if context.clock() > late_s:
+            line.failed = ", ".join(sorted(set(line.go_s) - line.armed))
+            raise _held_back(context, line)
+        yield Wait(min(context.clock() + 0.1, late_s + 0.1))
+    if not context.vehicle.armed:
+        raise FlightError(601, f"{context.uav}: disarmed itself before its turn.")
+
+
+def _held_back(context: Context, line: StartLine) -> FlightError:
+    return FlightError(601, f"{context.uav}: held back, because {line.failed} did not arm.")
+
+
+def _disarm(context: Context) -> Exchange[None]:
+    """Disarm on the ground; the vehicle would do it by itself after 10 s."""
+    if not context.vehicle.armed:
+        return
+    try:
+        yield from send_command(context, mavlink.MAV_CMD_COMPONENT_ARM_DISARM, (0.0,))
+    except CommandError as error:
+        yield Report(str(error))
