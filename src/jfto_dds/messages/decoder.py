@@ -237,8 +237,8 @@ def decoder(full_name: str, order: str) -> Decoder:
     return namespace["decode"]  # type: ignore[return-value]
 
 
-def decode_message(payload: bytes, full_name: str) -> Any:
-    """Read one message from a payload with its encapsulation header.
+def decode_message(payload: bytes, full_name: str, start: int = 4) -> Any:
+    """Read one message from a payload with its encapsulation header, from byte ``start`` on.
 
     Bytes behind the message are ignored, as rmw_cyclonedds does.
 
@@ -247,11 +247,11 @@ def decode_message(payload: bytes, full_name: str) -> Any:
     MalformedPayloadError
         Wrong encapsulation, or the bytes end or contradict themselves before the message does.
     """
-    if len(payload) < 4 or payload[0] or payload[1] > 1:
+    if len(payload) < start or payload[0] or payload[1] > 1:
         msg = f"{len(payload)} bytes without a plain CDR encapsulation header"
         raise MalformedPayloadError(msg)
     try:
-        message, _ = decoder(full_name, "<" if payload[1] else ">")(payload, 4)
+        message, _ = decoder(full_name, "<" if payload[1] else ">")(payload, start)
     except (struct.error, OverflowError) as error:
         msg = f"the payload ends before {full_name} does ({error})"
         raise MalformedPayloadError(msg) from error

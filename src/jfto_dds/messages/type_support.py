@@ -31,6 +31,6 @@ class TypeSupport:
         self._encode(buffer, message)
         return bytes(buffer)
 
-    def deserialize(self, payload: bytes) -> Any:
-        """Decode a payload; raises MalformedPayloadError."""
-        return decode_message(payload, self.full_name)
+    def deserialize(self, payload: bytes, start: int = 4) -> Any:
+        """Decode a payload whose body starts at byte ``start``; raises MalformedPayloadError."""
+        return decode_message(payload, self.full_name, start)

@@ -136,7 +136,7 @@ class Participant:
         *,
         service: bool = False,
         identity: dict[str, str] | None = None,
-        **callbacks: Callable[..., None],
+        callbacks: dict[str, Callable[..., None]] | None = None,
     ) -> Writer:
         """Create a writer of a node's and announce it."""
         writer = Writer(
@@ -145,7 +145,7 @@ class Participant:
             topic_type(type_name, service=service),
             settings,
             _announced(type_name, identity),
-            **callbacks,
+            **(callbacks or {}),
         )
         with self._lock:
             self._endpoints.append(writer)
@@ -163,7 +163,7 @@ class Participant:
         *,
         service: bool = False,
         identity: dict[str, str] | None = None,
-        **callbacks: Callable[..., None],
+        callbacks: dict[str, Callable[..., None]] | None = None,
     ) -> Reader:
         """Create a reader of a node's and announce it."""
         reader = Reader(
@@ -173,7 +173,7 @@ class Participant:
             settings,
             _announced(type_name, identity),
             on_data,
-            **callbacks,
+            **(callbacks or {}),
         )
         with self._lock:
             self._endpoints.append(reader)

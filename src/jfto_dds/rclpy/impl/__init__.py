@@ -1,0 +1,1 @@
+"""Modules that rclpy keeps for itself but that nodes import now and then."""
