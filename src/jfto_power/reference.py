@@ -16,19 +16,19 @@ from jfto_world.radio import noise_w
 
 Array = NDArray[np.float64]
 
-# Close to the optimum some cones allow tiny steps only; by default Clarabel then gives up early.
-# cvxpy's warm start keeps the scaling of the last instance, which fails on the next one.
 SETTINGS = {
     "tol_gap_rel": 1e-8,
     "tol_gap_abs": 1e-8,
     "tol_feas": 1e-8,
-    "reduced_tol_gap_rel": 1e-7,
-    "reduced_tol_gap_abs": 1e-7,
-    "reduced_tol_feas": 1e-7,
-    "min_switch_step_length": 1e-3,
-    "min_terminate_step_length": 1e-8,
+    # cvxpy's warm start keeps the scaling of the last instance, which fails on the next one.
     "warm_start": False,
 }
+# Close to the optimum some cones allow tiny steps only, where Clarabel by default gives up; told to
+# go on, it solves those but crawls on others.
+ATTEMPTS: tuple[dict[str, float], ...] = (
+    {},
+    {"min_switch_step_length": 1e-3, "min_terminate_step_length": 1e-8},
+)
 
 
 class SolverError(JftoError):
@@ -83,15 +83,20 @@ class ReferenceAllocator:
 def _run(problem: Any) -> None:
     import cvxpy as cp
 
-    try:
-        with warnings.catch_warnings():
-            # Said whenever the first tolerances are missed, even where the reduced ones are met.
-            warnings.filterwarnings("ignore", message="Solution may be inaccurate")
-            problem.solve(solver="CLARABEL", **SETTINGS)
-    except cp.SolverError as error:
-        raise SolverError(f"Clarabel found no allocation: {error}") from error
-    if problem.status not in (cp.OPTIMAL, cp.OPTIMAL_INACCURATE):
-        raise SolverError(f"Clarabel ended with status {problem.status!r}.")
+    outcomes = []
+    for attempt in ATTEMPTS:
+        try:
+            with warnings.catch_warnings():
+                # The status says it too.
+                warnings.filterwarnings("ignore", message="Solution may be inaccurate")
+                problem.solve(solver="CLARABEL", **SETTINGS, **attempt)
+        except cp.SolverError as error:
+            outcomes.append(str(error))
+            continue
+        if problem.status == cp.OPTIMAL:
+            return
+        outcomes.append(problem.status)
+    raise SolverError(f"Clarabel found no allocation: {'; '.join(outcomes)}")
 
 
 def _packed(gain: Array, degree: int) -> Array:
