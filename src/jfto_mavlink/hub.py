@@ -197,8 +197,8 @@ class Hub:
         now_ns = int(self._clock() * NS)
         if message.tc1 == 0:
             self._send(track, mavlink.MAVLink_timesync_message(now_ns, message.ts1))
-        else:
-            track.vehicle.time_sync.answer(message.ts1, message.tc1, now_ns)
+        elif track.vehicle.time_sync.answer(message.ts1, message.tc1, now_ns):
+            track.vehicle.booted()
 
     def _keep_greeted(self, track: Track, now_s: float) -> None:
         """Ask for identity and streams after contact, after a reboot, and when streams stop."""

@@ -10,6 +10,8 @@ from jfto_mavlink.rtt import RoundTrip
 NS = 1_000_000_000
 # Samples among which the one with the shortest round trip is believed.
 WINDOW = 16
+# A vehicle's clock that is this much earlier than before, beyond any delay, has started again.
+BACK_S = 0.5
 
 
 @dataclass
@@ -24,16 +26,25 @@ class TimeSync:
     round_trip: RoundTrip = field(default_factory=RoundTrip)
     utc_error_s: float | None = None
     samples: int = 0
+    _last_ns: int | None = None
     _window: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=WINDOW))
 
-    def answer(self, sent_ns: int, vehicle_ns: int, now_ns: int) -> None:
-        """Take in the answer to our TIMESYNC; one that cannot be ours is ignored."""
+    def answer(self, sent_ns: int, vehicle_ns: int, now_ns: int) -> bool:
+        """Take in the answer to our TIMESYNC; one that cannot be ours is ignored.
+
+        Returns whether the vehicle's clock has gone back, which is a reboot.
+        """
         rtt_s = (now_ns - sent_ns) / NS
         if not 0 <= rtt_s < 10:
-            return
+            return False
+        back = self._last_ns is not None and vehicle_ns / NS + rtt_s + BACK_S < self._last_ns / NS
+        self._last_ns = vehicle_ns
+        if back:
+            self._window.clear()
         self.round_trip.measure(rtt_s)
         self._window.append((rtt_s, (vehicle_ns - (sent_ns + now_ns) / 2) / NS))
         self.samples += 1
+        return back
 
     def system_time(self, vehicle_unix_us: int, our_unix_s: float) -> None:
         """Take in SYSTEM_TIME; 0 means that the vehicle has no UTC yet."""
@@ -44,6 +55,7 @@ class TimeSync:
     def restart(self) -> None:
         """Forget the offset: the vehicle has booted again."""
         self._window.clear()
+        self._last_ns = None
         self.utc_error_s = None
 
     @property

@@ -125,14 +125,19 @@ class Vehicle:
         """Seconds without a heartbeat; infinite if there never was one."""
         return math.inf if self.heartbeat_s is None else now_s - self.heartbeat_s
 
-    def _booted(self, time_boot_ms: int) -> None:
+    def booted(self) -> None:
+        """Forget what a restart of the vehicle makes untrue."""
+        self.reboots += 1
+        self.time_boot_ms = None
+        self.time_sync.restart()
+        self.uid = None
+        self.mission_current = None
+        self.home_deg_m = None
+
+    def _at_boot_time(self, time_boot_ms: int) -> None:
         last = self.time_boot_ms
         if last is not None and time_boot_ms + REBOOT_BACKSTEP_MS < last:
-            self.reboots += 1
-            self.time_sync.restart()
-            self.uid = None
-            self.mission_current = None
-            self.home_deg_m = None
+            self.booted()
         self.time_boot_ms = time_boot_ms
 
 
@@ -144,7 +149,7 @@ def _heartbeat(vehicle: Vehicle, message: Message, now_s: float) -> None:
 
 
 def _position(vehicle: Vehicle, message: Message, now_s: float) -> None:
-    vehicle._booted(message.time_boot_ms)
+    vehicle._at_boot_time(message.time_boot_ms)
     vehicle.lat_deg, vehicle.lon_deg = message.lat / 1e7, message.lon / 1e7
     vehicle.alt_m, vehicle.height_m = message.alt / 1e3, message.relative_alt / 1e3
     vehicle.velocity_ned_mps = (message.vx / 100, message.vy / 100, message.vz / 100)
@@ -152,12 +157,12 @@ def _position(vehicle: Vehicle, message: Message, now_s: float) -> None:
 
 
 def _attitude(vehicle: Vehicle, message: Message, _: float) -> None:
-    vehicle._booted(message.time_boot_ms)
+    vehicle._at_boot_time(message.time_boot_ms)
     vehicle.attitude_rad = (message.roll, message.pitch, message.yaw)
 
 
 def _system_time(vehicle: Vehicle, message: Message, _: float) -> None:
-    vehicle._booted(message.time_boot_ms)
+    vehicle._at_boot_time(message.time_boot_ms)
 
 
 def _gps(vehicle: Vehicle, message: Message, _: float) -> None:

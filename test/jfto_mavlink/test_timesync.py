@@ -46,3 +46,13 @@ def test_an_answer_from_the_future_is_ignored():
     sync = TimeSync()
     sync.answer(10 * NS, 0, 5 * NS)
     assert sync.samples == 0
+
+
+def test_a_vehicle_clock_that_goes_back_is_a_reboot():
+    """Late answers are not; neither is a simulation that runs slower than it should."""
+    sync = TimeSync()
+    assert not sync.answer(0, 100 * NS, NS // 100)
+    assert not sync.answer(NS, int(100.2 * NS), NS + NS // 100)
+    assert not sync.answer(2 * NS, int(99.0 * NS), 4 * NS)
+    assert sync.answer(5 * NS, int(2.0 * NS), 5 * NS + NS // 100)
+    assert sync.offset_s == pytest.approx(-3.0, abs=0.1)

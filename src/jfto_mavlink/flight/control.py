@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from jfto_mavlink.command import command_seen, send_command, set_mode
 from jfto_mavlink.dialect import MODES, mavlink
-from jfto_mavlink.errors import FlightError
+from jfto_mavlink.errors import CommandError, FlightError
 from jfto_mavlink.exchange import Context, Exchange, Report
 from jfto_mavlink.mission.deliver import Delivered, deliver
 from jfto_mavlink.mission.item import Mission
@@ -16,12 +16,21 @@ SEEN_WAIT_S = 3.0
 
 
 def pause(context: Context) -> Exchange[None]:
-    """Stop where it is and hold; the mission waits. Only in AUTO."""
+    """Stop where it is and hold; the mission waits. Only in AUTO.
+
+    ArduCopter refuses DO_PAUSE_CONTINUE while it takes off or stands at a waypoint: then BRAKE.
+    """
     if context.vehicle.mode != MODES["AUTO"]:
         raise FlightError(
             601, f"{context.uav}: is in {context.vehicle.mode_name}; only a mission can be paused."
         )
-    yield from _pause_continue(context, 0.0, PAUSED)
+    try:
+        yield from _pause_continue(context, 0.0, PAUSED)
+    except CommandError as error:
+        if error.code == 501:
+            raise
+        yield Report(f"{error} It brakes instead.")
+        yield from set_mode(context, MODES["BRAKE"])
     yield Report("paused")
 
 
