@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 _DEGREE = 6
-_RESOLUTION = 2.0**-24
+_RESOLUTION = 2.0**-28
 _STACK = 32
 
 
@@ -134,6 +134,18 @@ def _clip(
 
 
 @njit(cache=True)
+def _clip_height(
+    z: float, dz: float, floor: float, ceiling: float, near: float, far: float
+) -> tuple[float, float]:
+    """Part of [near, far] in which a ray is below `ceiling` and, falling, above `floor`."""
+    if dz < 0.0:
+        return max(near, (ceiling - z) / dz), min(far, max((floor - z) / dz, near))
+    if dz > 0.0:
+        return near, min(far, (ceiling - z) / dz)
+    return near, far
+
+
+@njit(cache=True)
 def _crossing(position: float, step: float, cell: int) -> float:
     """Distance at which a ray leaves a cell of unit width; inf where it never does."""
     if step > 0.0:
@@ -158,6 +170,8 @@ def first_hits(
     `grid` holds x0, y0, step_x and step_y; `highest` a bound from above for each cell.
     """
     rows, columns = highest.shape
+    ceiling = highest.max()
+    floor = coefficients.min() - 1.0
     b = np.empty((_STACK, _DEGREE + 1))
     left = np.empty(_DEGREE + 1)
     gap = np.empty(_DEGREE + 1)
@@ -168,6 +182,7 @@ def first_hits(
         z, dz = origins[ray, 2], units[ray, 2]
         near, far = _clip(u, du, float(columns), 0.0, ranges[ray])
         near, far = _clip(v, dv, float(rows), near, far)
+        near, far = _clip_height(z, dz, floor, ceiling, near, far)
         if near > far:
             continue
         j = min(max(math.floor(u + du * near), 0), columns - 1)

@@ -27,7 +27,7 @@ LOWEST_M, HIGHEST_M = -600.0, 9000.0
 _LARGEST_M = 100_000.0
 # Three nodes per source cell keep the second interpolation within centimetres of the first.
 _NODES_PER_CELL = 3
-_MOST_NODES = 2000
+_MOST_NODES = 1000
 _STRIP_CELLS = 4_000_000
 
 
@@ -57,7 +57,7 @@ def load_dem(
     x, y = _axes(half, cell_m)
     grid_x, grid_y = np.meshgrid(x, y)
 
-    block = max(1, math.floor(min(x[1] - x[0], y[1] - y[0]) / cell_m + 1e-6))
+    block = max(1, round(min(x[1] - x[0], y[1] - y[0]) / cell_m))
     columns, rows = _cells_under(raster, frame, grid_x, grid_y, np.zeros_like(grid_x))
     _check_covered(raster, columns, rows, margin_m)
     ground, affine = _source_surface(raster, columns, rows, block, zero_is_void)
@@ -165,8 +165,9 @@ def _source_surface(
     heights = _read_blocks(
         raster, (row_start, row_stop, column_start, column_stop), block, zero_is_void
     )
-    to_blocks = Affine.scale(1 / block) * Affine.translation(
-        -column_start - (block - 1) / 2, -row_start - (block - 1) / 2
+    half = (block - 1) / 2
+    to_blocks = Affine(
+        1 / block, 0.0, -(column_start + half) / block, 0.0, 1 / block, -(row_start + half) / block
     )
     used = np.zeros(heights.shape, dtype=bool)
     u, v = apply_affine(to_blocks, columns, rows)

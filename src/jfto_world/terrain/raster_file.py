@@ -55,7 +55,10 @@ def open_raster(path: Path) -> Raster:
         shape, transform, suffix = dataset.shape, dataset.transform, path.suffix.lower()
 
     def read(row_start: int, row_stop: int, column_start: int, column_stop: int) -> Array:
-        window = Window.from_slices((row_start, row_stop), (column_start, column_stop))
+        # GDAL searches a text grid from its top anyway, and where that is cut short it searches
+        # without end unless all rows above are asked for too.
+        first = 0 if suffix == ".asc" else row_start
+        window = Window.from_slices((first, row_stop), (column_start, column_stop))
         try:
             with _open(path) as dataset:
                 scale, offset = dataset.scales[0], dataset.offsets[0]
@@ -65,7 +68,7 @@ def open_raster(path: Path) -> Raster:
                 f"{path} cannot be read to its end ({_reason(error)}). "
                 "The file is damaged or cut short; copy or download it again."
             ) from error
-        heights = band.astype(np.float64).filled(np.nan)
+        heights = band[row_start - first :].astype(np.float64).filled(np.nan)
         if suffix == ".hgt":
             heights[heights == -32768] = np.nan
         return (heights * scale + offset) * to_metres
