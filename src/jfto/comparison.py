@@ -15,23 +15,15 @@ ALGORITHMS = ("MTP", "A-LMST", "CPAPO", OURS)
 
 
 @dataclass(frozen=True)
-class AlgorithmResult:
-    """One algorithm on one plan; slots n = 0 … N on axis 0.
+class LinkMetrics:
+    """What one set of links is worth; slots n = 0 … N on axis 0.
 
-    `adjacency` (N + 1, A, A) and `power_w` (N + 1, A) are what it decides, depleted UAVs off the
-    air; `throughput_bps` (N + 1,) the network throughput of each slot; `degree` (N + 1, A);
-    `energy_j` (A,) what slots 1 … N cost. `traverses_all` says that no UAV runs out of energy
-    before the fleet is done. `connectivity_rate` is ξ, `hops` the mean shortest path, inf where
-    some slot is disconnected.
+    `links` is (N + 1, A, A); `throughput_bps` (N + 1,) the network throughput of each slot;
+    `connectivity_rate` ξ; `hops` the mean shortest path, inf where some slot is disconnected.
     """
 
-    name: str
-    adjacency: Flags
-    power_w: Array
+    links: Flags
     throughput_bps: Array
-    degree: NDArray[np.int64]
-    energy_j: Array
-    traverses_all: bool
     connectivity_rate: float
     hops: float
 
@@ -42,18 +34,34 @@ class AlgorithmResult:
 
 
 @dataclass(frozen=True)
+class AlgorithmResult:
+    """One algorithm on one plan.
+
+    `linked` counts every pair that hears each other at the algorithm's powers, the definition of a
+    link that is the same for all algorithms; `active` only the links that both ends list, to which
+    the neighbour rule applies. `power_w` is (N + 1, A), 0 where a UAV is off the air; `degree`
+    (N + 1, A) counts active links; `energy_j` (A,) is what slots 1 … N cost. `traverses_all` says
+    that no UAV runs out of energy before the fleet is done.
+    """
+
+    name: str
+    linked: LinkMetrics
+    active: LinkMetrics
+    power_w: Array
+    degree: NDArray[np.int64]
+    energy_j: Array
+    traverses_all: bool
+
+
+@dataclass(frozen=True)
 class Comparison:
     """All algorithms on one plan, in the order of the paper's tables, C-TOP last.
 
-    `gain` (N + 1, A, A) holds the linear link gains, `reach` (N + 1, A, A) the pairs that hear
-    each other at C-TOP's powers; `margin_db` (N + 1, A, A) is the surplus over the sensitivity on
-    C-TOP's links at its powers, NaN elsewhere. `notes` say what an algorithm could not keep.
+    `gain` (N + 1, A, A) holds the linear link gains. `notes` say what C-TOP could not keep.
     """
 
     results: tuple[AlgorithmResult, ...]
     gain: Array
-    reach: Flags
-    margin_db: Array
     n_dc: int
     notes: tuple[str, ...]
 

@@ -24,9 +24,9 @@ def comparison_object(plan: Plan, comparison: Comparison, scene: str) -> dict[st
         "algorithms": {
             result.name: {
                 "traverses_all": result.traverses_all,
-                "connectivity_rate": result.connectivity_rate,
-                "throughput_mbps": result.mean_throughput_mbps,
-                "hops": _finite(result.hops),
+                "connectivity_rate": result.linked.connectivity_rate,
+                "throughput_mbps": result.linked.mean_throughput_mbps,
+                "hops": _finite(result.linked.hops),
                 "degree_min": int(result.degree.min()),
                 "degree_mean": float(result.degree.mean()),
                 "degree_max": int(result.degree.max()),
@@ -42,11 +42,11 @@ def comparison_object(plan: Plan, comparison: Comparison, scene: str) -> dict[st
 
 def throughput_ratios(comparison: Comparison) -> dict[str, float]:
     """C-TOP's throughput over each baseline's."""
-    ours = comparison.ours.mean_throughput_mbps
+    ours = comparison.ours.linked.mean_throughput_mbps
     return {
-        result.name: ours / result.mean_throughput_mbps
+        result.name: ours / result.linked.mean_throughput_mbps
         for result in comparison.results
-        if result.name != OURS and result.mean_throughput_mbps > 0
+        if result.name != OURS and result.linked.mean_throughput_mbps > 0
     }
 
 
@@ -92,9 +92,9 @@ def comparison_csv(rows: list[tuple[str, Comparison]]) -> str:
                     scene,
                     result.name,
                     result.traverses_all,
-                    f"{result.connectivity_rate:.6f}",
-                    f"{result.mean_throughput_mbps:.3f}",
-                    f"{result.hops:.4f}",
+                    f"{result.linked.connectivity_rate:.6f}",
+                    f"{result.linked.mean_throughput_mbps:.3f}",
+                    f"{result.linked.hops:.4f}",
                     result.degree.min(),
                     f"{result.degree.mean():.4f}",
                     result.degree.max(),
@@ -122,7 +122,7 @@ def slots_csv(plan: Plan, comparison: Comparison) -> str:
         for result in comparison.results:
             degree = result.degree[slot]
             row += [
-                f"{result.throughput_bps[slot] / 1e6:.3f}",
+                f"{result.linked.throughput_bps[slot] / 1e6:.3f}",
                 degree.min(),
                 f"{degree.mean():.3f}",
                 degree.max(),

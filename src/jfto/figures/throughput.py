@@ -18,8 +18,8 @@ def throughput_over_slots(plan: Plan, comparison: Comparison) -> Figure:
     slots = np.arange(plan.slots.count + 1)
     for result in comparison.results:
         style = ALGORITHM_STYLES[result.name]
-        gigabits = result.throughput_bps / 1e9
-        label = f"{result.name}, mean {result.mean_throughput_mbps / 1e3:.2f} Gb/s"
+        gigabits = result.linked.throughput_bps / 1e9
+        label = f"{result.name}, mean {result.linked.mean_throughput_mbps / 1e3:.2f} Gb/s"
         axes.plot(
             slots[1:],
             gigabits[1:],

@@ -35,7 +35,7 @@ def topology_panels(plan: Plan, comparison: Comparison, dem: Dem, slot: int) -> 
         degree = result.degree[slot]
         axes.set_title(
             f"({'abcd'[index]}) {result.name}: {degree.min()}–{degree.max()} neighbours, "
-            f"{result.throughput_bps[slot] / 1e6:,.0f} Mb/s".replace(",", "\u202f"),
+            f"{result.linked.throughput_bps[slot] / 1e6:,.0f} Mb/s".replace(",", "\u202f"),
             loc="left",
         )
     for axes in grid[-1]:
@@ -45,17 +45,22 @@ def topology_panels(plan: Plan, comparison: Comparison, dem: Dem, slot: int) -> 
     draw_scale_bar(grid[1, 0], positions[:, :2])
     draw_north_arrow(grid[0, 1])
     figure.suptitle(
-        f"Slot {slot} of {plan.slots.count}, {slot * plan.slots.duration_s:.0f} s after lift-off",
+        f"Slot {slot} of {plan.slots.count}, {slot * plan.slots.duration_s:.0f} s after lift-off. "
+        "Dotted: in reach, but not listed as neighbours.",
         fontsize=8,
     )
     return figure
 
 
 def _draw_links(axes: Axes, positions: np.ndarray, result: AlgorithmResult, slot: int) -> None:
-    first, second = np.nonzero(np.triu(result.adjacency[slot]))
-    for a, b in zip(first, second, strict=True):
+    """Active links in full, pairs that merely hear each other dotted."""
+    active, linked = result.active.links[slot], result.linked.links[slot]
+    for a, b in zip(*np.nonzero(np.triu(linked)), strict=True):
         ends = positions[[a, b], :2]
-        axes.plot(*ends.T, color="#333333", linewidth=1.1, zorder=3)
+        if active[a, b]:
+            axes.plot(*ends.T, color="#333333", linewidth=1.1, zorder=3)
+        else:
+            axes.plot(*ends.T, color="#555555", linewidth=0.9, linestyle=(0, (1, 2)), zorder=2)
 
 
 def _draw_uavs(axes: Axes, plan: Plan, result: AlgorithmResult, slot: int) -> None:

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from jfto.comparison import ALGORITHMS, OURS, AlgorithmResult, Comparison
+from jfto.comparison import ALGORITHMS, OURS, AlgorithmResult, Comparison, LinkMetrics
 from jfto.progress import Watcher
 from jfto.stages.network import Network, network_of
 from jfto_msgs_py.plan import Plan
-from jfto_msgs_py.units import ratio_to_db
 from jfto_power import Allocation, EnergyShortage, allocate, allocate_prefix
 from jfto_topology import PoweredTopology, Topology, a_lmst, cpapo, ctop, mtp
 from jfto_topology.metrics import average_hops, connectivity_rate, energy_used, slot_throughput
@@ -37,8 +36,9 @@ def compare(plan: Plan, n_dc: int, watcher: Watcher) -> Comparison:
         "topology",
         f"{plan.slots.count} slots",
         f"degree {degree.min()}–{degree.max()}, "
-        + ("always connected" if topology.connected.all() else "not always connected"),
-        good=not notes,
+        + ("always connected" if topology.connected.all() else "not always connected")
+        + (f", δ exceeded {topology.over_degree.sum()} ×" if topology.over_degree.any() else ""),
+        good=bool(topology.connected.all() and not topology.deficit.any()),
     )
     watcher.begin("power", "exact allocation")
     allocation = _allocate(plan, network, topology, notes)
@@ -46,20 +46,16 @@ def compare(plan: Plan, n_dc: int, watcher: Watcher) -> Comparison:
     share = 100 * ours.energy_j / network.energy_j
     watcher.end(
         "power",
-        f"{ours.mean_throughput_mbps:.4g} Mb/s",
+        f"{ours.linked.mean_throughput_mbps:.4g} Mb/s",
         f"energy {share.min():.0f}–{share.max():.0f} % of budget",
         good=ours.traverses_all,
     )
     watcher.begin("compare", "MTP, A-LMST, CPAPO")
     results = [*_baselines(plan, network, n_dc), ours]
     watcher.end("compare", "4 algorithms", _ratios(results))
-    weaker = np.minimum(allocation.power_w[:, :, None], allocation.power_w[:, None, :])
-    margin = ratio_to_db(weaker * network.gain / network.sensitivity_w)
     return Comparison(
         results=tuple(sorted(results, key=lambda result: ALGORITHMS.index(result.name))),
         gain=network.gain,
-        reach=topology.reach,
-        margin_db=np.where(ours.adjacency, margin, np.nan),
         n_dc=n_dc,
         notes=tuple(notes),
     )
@@ -96,8 +92,12 @@ def _ours(
 ) -> AlgorithmResult:
     held = np.arange(plan.slots.count + 1) <= allocation.slots_held
     on_air = np.broadcast_to(held[:, None], allocation.power_w.shape)
-    adjacency = topology.adjacency & held[:, None, None]
-    return _result(plan, network, OURS, adjacency, allocation.power_w, on_air, n_dc)
+    weaker_w = np.minimum(allocation.power_w[:, :, None], allocation.power_w[:, None, :])
+    # The topology knows exactly which pairs hear each other; a power at a bound must not decide
+    # that anew by its last bit.
+    linked = topology.reach & (weaker_w > 0)
+    active = topology.adjacency & held[:, None, None]
+    return _result(plan, network, OURS, linked, active, allocation.power_w, on_air, n_dc)
 
 
 def _baselines(plan: Plan, network: Network, n_dc: int) -> list[AlgorithmResult]:
@@ -109,8 +109,8 @@ def _baselines(plan: Plan, network: Network, n_dc: int) -> list[AlgorithmResult]
         "CPAPO": cpapo(*shared, *budget),
     }
     return [
-        _result(plan, network, name, played.adjacency, played.power_w, played.on_air, n_dc)
-        for name, played in powered.items()
+        _result(plan, network, name, one.adjacency, one.listed, one.power_w, one.on_air, n_dc)
+        for name, one in powered.items()
     ]
 
 
@@ -118,44 +118,58 @@ def _result(
     plan: Plan,
     network: Network,
     name: str,
-    adjacency: Flags,
+    linked: Flags,
+    active: Flags,
     power_w: Array,
     on_air: Flags,
     n_dc: int,
 ) -> AlgorithmResult:
+    def metrics(links: Flags) -> LinkMetrics:
+        return LinkMetrics(
+            links=links,
+            throughput_bps=slot_throughput(links, network.gain, power_w, plan.radio),
+            connectivity_rate=connectivity_rate(links, n_dc, on_air),
+            hops=average_hops(links),
+        )
+
     return AlgorithmResult(
         name=name,
-        adjacency=adjacency,
+        linked=metrics(linked),
+        active=metrics(active),
         power_w=power_w,
-        throughput_bps=slot_throughput(adjacency, network.gain, power_w, plan.radio),
-        degree=degrees(adjacency),
+        degree=degrees(active),
         energy_j=energy_used(power_w, plan.slots.duration_s),
         traverses_all=bool(on_air.all()),
-        connectivity_rate=connectivity_rate(adjacency, n_dc, on_air),
-        hops=average_hops(adjacency),
     )
 
 
 def _topology_notes(plan: Plan, topology: Topology) -> list[str]:
-    """What C-TOP could not keep, the first UAV and slot of each kind named."""
-    ids = [uav.id for uav in plan.uavs]
+    """What C-TOP could not keep, per UAV with the slots."""
     notes = []
     for flags, text in (
         (topology.deficit, f"has fewer than {plan.k_min} neighbours within reach"),
-        (topology.over_degree, f"needs more than {plan.k_min + plan.delta} neighbours"),
+        (topology.over_degree, f"cannot spare a neighbour beyond {plan.k_min + plan.delta}"),
     ):
-        where = np.argwhere(flags)
-        if where.size:
-            slot, uav = where[0]
-            more = f", and {len(where) - 1} more cases" if len(where) > 1 else ""
-            notes.append(f"{ids[uav]} {text} in slot {slot}{more}.")
+        for index, uav in enumerate(plan.uavs):
+            slots = np.flatnonzero(flags[:, index])
+            if slots.size:
+                notes.append(f"{uav.id} {text} in {_slots_text(slots)}.")
     apart = np.flatnonzero(~topology.connected)
     if apart.size:
-        notes.append(f"The fleet is not connected in {apart.size} slots, first in slot {apart[0]}.")
+        notes.append(f"The fleet is not connected in {_slots_text(apart)}.")
     return notes
 
 
+def _slots_text(slots: NDArray[np.intp]) -> str:
+    """Slots as ranges: "slot 3", "slots 3–5, 9"."""
+    runs = np.split(slots, np.flatnonzero(np.diff(slots) > 1) + 1)
+    texts = [f"{run[0]}" if len(run) == 1 else f"{run[0]}–{run[-1]}" for run in runs]
+    return f"slot{'s' if len(slots) > 1 else ''} {', '.join(texts)}"
+
+
 def _ratios(results: list[AlgorithmResult]) -> str:
-    ours = results[-1].mean_throughput_mbps
-    others = (f"{ours / other.mean_throughput_mbps:.2f} × {other.name}" for other in results[:-1])
+    ours = results[-1].linked.mean_throughput_mbps
+    others = (
+        f"{ours / other.linked.mean_throughput_mbps:.2f} × {other.name}" for other in results[:-1]
+    )
     return "throughput " + ", ".join(others)

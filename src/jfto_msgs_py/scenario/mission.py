@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 from jfto_msgs_py.scenario.key import param
 
+TIME_MODELS = ("constant_speed",)
+
 
 @dataclass(frozen=True)
 class NetworkPart:
@@ -33,6 +35,11 @@ class MissionPart:
         low=0.0,
         high=100_000.0,
     )
+    time_model: str = param(
+        "constant_speed",
+        "How a UAV flies a leg; constant_speed: the longer of its horizontal and vertical times.",
+        choices=TIME_MODELS,
+    )
 
 
 @dataclass(frozen=True)
@@ -41,9 +48,11 @@ class SearchPart:
 
     seed: int = param(0, "Seed of the search (also --seed).", low=0, high=2**31 - 1, hashed=False)
     moves: int = param(
-        2_000_000, "Moves tried per start; the budget, equal on any machine.", low=1, high=10**12
+        8_000_000, "Moves tried in all; a budget that is equal on any machine.", low=1, high=10**12
     )
-    starts: int = param(4, "Independent starts; the best one is kept.", low=1, high=1000)
+    starts: int = param(
+        4, "Independent starts that share the moves; the best is kept.", low=1, high=1000
+    )
     time_limit_s: float = param(
         0.0,
         "Ends the search early; 0: never. With a limit the same seed may give another plan.",

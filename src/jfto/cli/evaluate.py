@@ -1,0 +1,77 @@
+"""jfto evaluate."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from jfto.cli.options import debug_option, json_option, load, out_option, seed_option, set_option
+
+if TYPE_CHECKING:
+    from jfto.evaluation import Evaluated
+    from jfto.progress import Watcher
+
+
+@click.command("evaluate")
+@click.argument("inputs", metavar="PLAN|SCENARIO...", nargs=-1, required=True)
+@out_option("DIR", "not written; CSV, JSON and figures")
+@seed_option
+@set_option
+@json_option
+@debug_option
+def command(
+    inputs: tuple[str, ...],
+    out: Path | None,
+    seed: int | None,
+    overrides: tuple[str, ...],
+    as_json: bool,
+    debug: bool,  # noqa: ARG001  main() reads it
+) -> int:
+    r"""Compare C-TOP with MTP, A-LMST and CPAPO, beside the paper's figures.
+
+    Takes plans (.json) and scenarios, which are planned first. A plan in the directory of a run
+    brings its scenario along.
+
+    \b
+    Example:  jfto evaluate config/small.yaml config/wanglang.yaml -o comparison
+    """
+    from jfto.cli.failure import EXIT_INFEASIBLE
+    from jfto.cli.summary import print_comparison, print_infeasible, print_json
+    from jfto.cli.watcher import TerminalWatcher
+    from jfto.evaluation import write_evaluation
+    from jfto.export import comparison_object
+    from jfto.stages.routes import is_clean
+
+    with TerminalWatcher(quiet=as_json) as watcher:
+        done = [_evaluate(Path(name), seed, overrides, watcher) for name in inputs]
+        if out is not None:
+            write_evaluation(done, out, watcher)
+    rows = [(one.label, one.comparison) for one in done]
+    if as_json:
+        facts = [comparison_object(one.plan, one.comparison, one.scene) for one in done]
+        print_json({"evaluations": facts})
+    else:
+        print_comparison(rows)
+        if out is not None:
+            click.echo(f"Written to  {out}")
+    unclean = [one for one in done if not is_clean(one.plan)]
+    for one in unclean:
+        if not as_json:
+            print_infeasible(one.plan, "not written; use jfto plan")
+    return EXIT_INFEASIBLE if unclean else 0
+
+
+def _evaluate(
+    path: Path, seed: int | None, overrides: tuple[str, ...], watcher: Watcher
+) -> Evaluated:
+    from jfto.evaluation import evaluate_plan_file, evaluate_scenario
+
+    if path.suffix.lower() == ".json":
+        if overrides or seed is not None:
+            raise click.UsageError(
+                f"{path} is a plan; --set and --seed change scenarios only. Plan anew with them."
+            )
+        return evaluate_plan_file(path, watcher)
+    return evaluate_scenario(load(path, overrides, seed), watcher)

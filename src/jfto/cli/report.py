@@ -1,0 +1,32 @@
+"""jfto report."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from jfto.cli.options import debug_option, json_option
+
+
+@click.command("report")
+@click.argument("directory", metavar="DIR", type=click.Path(path_type=Path))
+@json_option
+@debug_option
+def command(
+    directory: Path,
+    as_json: bool,
+    debug: bool,  # noqa: ARG001  main() reads it
+) -> int:
+    """Rebuild comparison, figures and report of the run in DIR from its scenario and plan."""
+    from jfto.cli.summary import print_json
+    from jfto.cli.watcher import TerminalWatcher
+    from jfto.pipeline import rebuild
+
+    with TerminalWatcher(quiet=as_json) as watcher:
+        outcome = rebuild(directory, watcher)
+    if as_json:
+        print_json({"plan": str(outcome.plan_path), "report": str(outcome.report)})
+    else:
+        click.echo(f"Report      {outcome.report}")
+    return 0

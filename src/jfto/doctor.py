@@ -1,0 +1,86 @@
+"""What this computer has and lacks."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import os
+import platform
+import sys
+from dataclasses import dataclass
+
+from jfto import __version__
+from jfto.versions import LIBRARIES, version_of
+
+# Import name where it differs from the distribution's.
+_MODULES = {"PyYAML": "yaml"}
+# Used by what needs them only; planning works without.
+_OPTIONAL = {
+    "torch": "learned policies",
+    "cvxpy": "the reference power solver",
+    "clarabel": "the reference power solver",
+    "pymavlink": "flight",
+    "cyclonedds": "ROS 2 topics without ROS",
+    "rosbags": "recording bags",
+}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that was looked at; `needed` says that planning cannot do without it."""
+
+    name: str
+    good: bool
+    needed: bool
+    state: str
+    cure: str = ""
+
+
+def examine() -> list[Finding]:
+    """Look at Python, libraries, terrain and ROS 2; imports every library, so it takes seconds."""
+    return [_python(), *(_library(name) for name in LIBRARIES), _terrain(), _cores(), _ros()]
+
+
+def _python() -> Finding:
+    good = (3, 10) <= sys.version_info < (3, 13)
+    state = f"{platform.python_version()}, JFTO {__version__}"
+    return Finding("Python", good, True, state, "Use Python 3.10, 3.11 or 3.12.")
+
+
+def _library(name: str) -> Finding:
+    needed = name not in _OPTIONAL
+    use = "" if needed else f", for {_OPTIONAL[name]}"
+    version = version_of(name)
+    if version is None:
+        cure = f"pip install -c constraints.txt {name}"
+        return Finding(name, False, needed, f"not installed{use}", cure)
+    try:
+        importlib.import_module(_MODULES.get(name, name))
+    except Exception as error:  # noqa: BLE001  a broken library may raise anything at import
+        cure = f"pip install --force-reinstall -c constraints.txt {name}"
+        return Finding(name, False, needed, f"{version}, does not load: {error}", cure)
+    return Finding(name, True, needed, f"{version}{use}")
+
+
+def _terrain() -> Finding:
+    from jfto_msgs_py.errors import JftoError
+    from jfto_world.terrain import load_dem
+
+    try:
+        dem = load_dem("jacksboro", center=None, size_m=(500.0, 500.0))
+    except JftoError as error:
+        cure = "Reinstall matplotlib, whose sample data holds it."
+        return Finding("terrain", False, True, str(error), cure)
+    return Finding("terrain", True, True, f"built-in, {dem.description}")
+
+
+def _cores() -> Finding:
+    return Finding("processor", True, False, f"{os.cpu_count()} cores, {platform.machine()}")
+
+
+def _ros() -> Finding:
+    distribution = os.environ.get("ROS_DISTRO")
+    if distribution and importlib.util.find_spec("rclpy") is not None:
+        return Finding("ROS 2", True, False, f"{distribution}, rclpy found")
+    state = "not found; planning and reports do not need it"
+    return Finding("ROS 2", False, False, state, "For stock ROS 2: source its setup.bash first.")

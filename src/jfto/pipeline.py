@@ -1,0 +1,109 @@
+"""The whole run: terrain to report, every stage's result in one directory."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+from jfto.comparison import Comparison
+from jfto.export import comparison_csv, comparison_object, coverage_object, slots_csv
+from jfto.progress import Watcher
+from jfto.run_directory import (
+    COVERAGE_NAME,
+    FIGURES,
+    INFEASIBLE_NAME,
+    PLAN_NAME,
+    SCENARIO_NAME,
+    write_scenario,
+)
+from jfto.scenario_file import LoadedScenario, load_scenario
+from jfto.stages.compare import compare
+from jfto.stages.drawing import draw_figures
+from jfto.stages.reporting import write_report
+from jfto.stages.routes import is_clean, plan_routes
+from jfto.stages.survey import load_ground, survey
+from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.plan_file import read_plan, write_plan
+from jfto_msgs_py.write_file import write_file
+from jfto_world.terrain import Dem
+
+
+@dataclass(frozen=True)
+class Run:
+    """What a run came to. `plan_path` names an infeasible plan where the certificate is not clean;
+    `report` and `comparison` are None where the run was interrupted after planning.
+    """
+
+    plan: Plan
+    plan_path: Path
+    comparison: Comparison | None
+    report: Path | None
+    interrupted: bool
+
+
+def run_all(loaded: LoadedScenario, directory: Path, watcher: Watcher) -> Run:
+    """Every stage in order; raises JftoError, leaving the results so far in `directory`."""
+    write_scenario(loaded, directory / SCENARIO_NAME)
+    found = survey(loaded, watcher)
+    if found.coverage is not None:
+        write_file(
+            directory / COVERAGE_NAME, json.dumps(coverage_object(found.coverage), indent=1) + "\n"
+        )
+    planned = plan_routes(loaded.scenario, found, watcher)
+    path = save_plan(planned.plan, directory / PLAN_NAME)
+    if planned.interrupted:
+        return Run(planned.plan, path, None, None, interrupted=True)
+    comparison, report = _conclude(loaded, directory, planned.plan, found.dem, watcher)
+    return Run(planned.plan, path, comparison, report, interrupted=False)
+
+
+def rebuild(directory: Path, watcher: Watcher) -> Run:
+    """Comparison, figures and report anew from the scenario and plan of a run directory."""
+    if not directory.is_dir():
+        raise InputError(f"{directory}: is no directory. Name the directory of a run.")
+    if not (directory / SCENARIO_NAME).exists():
+        raise InputError(
+            f"{directory}: holds no {SCENARIO_NAME}, so it is not the directory of a run. "
+            "Make one with jfto run SCENARIO."
+        )
+    loaded = load_scenario(directory / SCENARIO_NAME)
+    path = directory / PLAN_NAME
+    if not path.exists() and (directory / INFEASIBLE_NAME).exists():
+        path = directory / INFEASIBLE_NAME
+    plan = read_plan(path)
+    dem = load_ground(loaded)
+    comparison, report = _conclude(loaded, directory, plan, dem, watcher)
+    return Run(plan, path, comparison, report, interrupted=False)
+
+
+def save_plan(plan: Plan, path: Path) -> Path:
+    """Write a clean plan to `path`, another one beside it as .infeasible.json; returns where.
+
+    A clean plan that already lies at `path` is never replaced by an infeasible one.
+    """
+    if not is_clean(plan):
+        path = path.with_name(f"{path.stem}.infeasible.json")
+    write_plan(plan, path)
+    return path
+
+
+def write_comparison(plan: Plan, comparison: Comparison, scene: str, directory: Path) -> None:
+    """Write comparison.json, comparison.csv and slots.csv."""
+    facts = comparison_object(plan, comparison, scene)
+    write_file(directory / "comparison.json", json.dumps(facts, indent=1) + "\n")
+    write_file(directory / "comparison.csv", comparison_csv([(scene, comparison)]))
+    write_file(directory / "slots.csv", slots_csv(plan, comparison))
+
+
+def _conclude(
+    loaded: LoadedScenario, directory: Path, plan: Plan, dem: Dem, watcher: Watcher
+) -> tuple[Comparison, Path]:
+    evaluation = loaded.scenario.evaluation
+    comparison = compare(plan, evaluation.n_dc, watcher)
+    write_comparison(plan, comparison, evaluation.paper_scene, directory)
+    draw_figures(plan, comparison, dem, evaluation.slot_shown, directory / FIGURES, watcher)
+    title = f"{len(plan.uavs)} UAVs over {len(plan.waypoints)} waypoints"
+    report = write_report(directory, title, plan, comparison, dem, evaluation.paper_scene, watcher)
+    return comparison, report

@@ -1,0 +1,104 @@
+"use strict";
+// Draws terrain, routes and, slot by slot, UAVs and links. `SCENE` is the data of this run.
+(function () {
+  const BANDS = [
+    { name: "margin below 1 dB", below: 1, color: "#D55E00", dash: "dot", width: 7 },
+    { name: "1 to 6 dB", below: 6, color: "#8C6D1F", dash: "dash", width: 5 },
+    { name: "above 6 dB", below: Infinity, color: "#0072B2", dash: "solid", width: 4 },
+  ];
+  const SYMBOLS = ["circle", "square", "diamond", "cross", "x", "circle-open", "square-open", "diamond-open"];
+  const scene = document.getElementById("scene");
+  const slider = document.getElementById("slot");
+  const picker = document.getElementById("algorithm");
+  const facts = document.getElementById("slot-facts");
+  const play = document.getElementById("play");
+
+  const traces = [{
+    type: "surface", x: SCENE.terrain.x, y: SCENE.terrain.y, z: SCENE.terrain.z,
+    colorscale: [[0, "#9fb08f"], [0.5, "#d9cfb4"], [1, "#f2ece2"]], showscale: false,
+    lighting: { ambient: 0.55, diffuse: 0.8, specular: 0.05, roughness: 0.9 },
+    lightposition: { x: -20000, y: 20000, z: 20000 },
+    contours: { z: { show: true, color: "#8a7f6a", width: 1, usecolormap: false } },
+    hovertemplate: "ground %{z:.0f} m<extra></extra>", name: "ground",
+  }];
+  SCENE.uavs.forEach((uav) => traces.push({
+    type: "scatter3d", mode: "lines+markers", name: uav.id + " route",
+    x: uav.route.map((p) => p[0]), y: uav.route.map((p) => p[1]), z: uav.route.map((p) => p[2]),
+    line: { color: uav.color, width: 3 }, marker: { color: uav.color, size: 2.2 }, opacity: 0.75,
+    legendgroup: uav.id, showlegend: false, hovertemplate: uav.id + "<br>%{text}<extra></extra>",
+    text: uav.route.map((p, i) => (i ? "waypoint " + uav.waypoints[i - 1] + ", " + uav.arrival[i - 1].toFixed(0) + " s" : "pad")),
+  }));
+  const firstLink = traces.length;
+  BANDS.forEach((band) => traces.push({
+    type: "scatter3d", mode: "lines", name: band.name, x: [null], y: [null], z: [null],
+    line: { color: band.color, width: band.width, dash: band.dash }, hoverinfo: "skip",
+  }));
+  const firstUav = traces.length;
+  SCENE.uavs.forEach((uav, a) => traces.push({
+    type: "scatter3d", mode: "markers+text", name: uav.id, legendgroup: uav.id,
+    x: [null], y: [null], z: [null], text: [uav.id], textposition: "top center",
+    textfont: { size: 12, color: "#1c2430" },
+    marker: { color: uav.color, size: 7, symbol: SYMBOLS[a % SYMBOLS.length], line: { color: "#ffffff", width: 1 } },
+    hovertemplate: uav.id + "<br>%{x:.0f} m E, %{y:.0f} m N, %{z:.0f} m up<extra></extra>",
+  }));
+
+  function links(slot) {
+    const ends = BANDS.map(() => ({ x: [], y: [], z: [] }));
+    SCENE.links[picker.value][slot].forEach(([a, b, margin]) => {
+      const band = ends[BANDS.findIndex((one) => margin < one.below)];
+      [SCENE.positions[slot][a], SCENE.positions[slot][b], [null, null, null]].forEach((p) => {
+        band.x.push(p[0]); band.y.push(p[1]); band.z.push(p[2]);
+      });
+    });
+    return ends;
+  }
+
+  function show() {
+    const slot = Number(slider.value);
+    const ends = links(slot);
+    const at = SCENE.positions[slot];
+    const x = [], y = [], z = [], which = [];
+    ends.forEach((band, i) => { x.push(band.x); y.push(band.y); z.push(band.z); which.push(firstLink + i); });
+    at.forEach((p, a) => { x.push([p[0]]); y.push([p[1]]); z.push([p[2]]); which.push(firstUav + a); });
+    Plotly.restyle(scene, { x, y, z }, which);
+    const here = SCENE.links[picker.value][slot];
+    let text = "Slot " + slot + " of " + (SCENE.positions.length - 1) + " · " + (slot * SCENE.duration).toFixed(0) +
+      " s after lift-off · " + here.length + " links";
+    if (here.length) {
+      const weakest = here.reduce((worst, link) => (link[2] < worst[2] ? link : worst));
+      text += " · weakest " + SCENE.uavs[weakest[0]].id + "–" + SCENE.uavs[weakest[1]].id + ", " + weakest[2].toFixed(1) + " dB to spare";
+    }
+    text += " · " + Math.round(SCENE.throughput[picker.value][slot]).toLocaleString("en-US").replace(/,/g, " ") + " Mb/s";
+    facts.textContent = text;
+  }
+
+  const axis = { backgroundcolor: "#ffffff", gridcolor: "#e3e6ea", zerolinecolor: "#e3e6ea" };
+  Plotly.newPlot(scene, traces, {
+    margin: { l: 0, r: 0, t: 0, b: 0 }, paper_bgcolor: "#ffffff",
+    legend: { x: 0.01, y: 0.99, bgcolor: "rgba(255,255,255,0.8)" },
+    scene: {
+      aspectmode: "data", camera: { eye: { x: -0.9, y: -1.25, z: 0.95 } },
+      xaxis: Object.assign({ title: { text: "East (m)" } }, axis),
+      yaxis: Object.assign({ title: { text: "North (m)" } }, axis),
+      zaxis: Object.assign({ title: { text: "Up (m)" } }, axis),
+    },
+  }, { responsive: true, displaylogo: false }).then(show);
+
+  slider.addEventListener("input", show);
+  picker.addEventListener("change", show);
+  let timer = null;
+  play.addEventListener("click", () => {
+    if (timer) {
+      clearInterval(timer);
+      timer = null;
+    } else {
+      if (slider.value === slider.max) { slider.value = 0; }
+      timer = setInterval(() => {
+        slider.value = Number(slider.value) + 1;
+        show();
+        if (slider.value === slider.max) { play.click(); }
+      }, 150);
+    }
+    play.textContent = timer ? "Pause" : "Play";
+  });
+})();

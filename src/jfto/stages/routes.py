@@ -1,0 +1,213 @@
+"""Second stage: who flies where, as a certified plan."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jfto.progress import Watcher
+from jfto.stages.network import energy_floor_of
+from jfto.stages.survey import Survey
+from jfto_msgs_py.certificate import Certificate
+from jfto_msgs_py.errors import PlanError
+from jfto_msgs_py.plan import Plan, Uav, Vector
+from jfto_msgs_py.plan_file import rounded
+from jfto_msgs_py.scenario import Scenario
+from jfto_msgs_py.units import dbm_to_w
+from jfto_planner.routing import (
+    RoutingProblem,
+    SearchSettings,
+    build_plan,
+    certify,
+    search,
+)
+from jfto_planner.starts import check_starts, choose_starts, place_pads
+from jfto_world.motion import MotionLimits, time_model_named
+from jfto_world.radio import make_channel
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Planned:
+    """A certified plan; `interrupted` says that the search was stopped before its budget."""
+
+    plan: Plan
+    interrupted: bool
+
+    @property
+    def certificate(self) -> Certificate:
+        """The plan's certificate."""
+        assert self.plan.certificate is not None
+        return self.plan.certificate
+
+
+def plan_routes(
+    scenario: Scenario, found: Survey, watcher: Watcher, warm_start: Plan | None = None
+) -> Planned:
+    """Search routes over the waypoints and certify them; `warm_start` is a plan to improve.
+
+    Raises InfeasibleError before any search where the starts cannot satisfy the neighbour rule,
+    PlanError where `warm_start` is for other waypoints or another fleet.
+    """
+    watcher.begin("routes", "choosing starting points")
+    problem = _problem(scenario, found)
+    watcher.begin("routes", "searching")
+    result = search(
+        problem,
+        _settings(scenario),
+        seed=scenario.search.seed,
+        warm_start=None if warm_start is None else _warm_routes(warm_start, found, problem),
+        progress=watcher.advance,
+    )
+    mission, network = scenario.mission, scenario.network
+    plan = rounded(
+        build_plan(
+            result.routes,
+            waypoints=found.waypoints,
+            uavs=_uavs(scenario, problem.starts_m),
+            slot_count=mission.slot_count,
+            horizon_s=mission.horizon_s or None,
+            k_min=network.k_min,
+            delta=network.delta,
+            d_min_m=mission.d_min_m,
+            length_max_m=mission.length_max_m,
+            radio=scenario.radio.record(),
+            origin=found.dem.origin,
+            scenario_hash=scenario.scenario_hash(),
+            seed=scenario.search.seed,
+            time_model=mission.time_model,
+        )
+    )
+    watcher.begin("routes", "checking with independent code")
+    plan = replace(plan, certificate=certify_plan(plan))
+    planned = Planned(plan, interrupted=result.stopped_by == "user")
+    watcher.end(
+        "routes", f"{plan.total_length_m / 1000:.2f} km", _proof(planned), good=is_clean(plan)
+    )
+    return planned
+
+
+def certify_plan(plan: Plan) -> Certificate:
+    """Check a plan from its positions, energy included."""
+    floor = energy_floor_of(
+        plan.radio, tuple(uav.p_max_dbm for uav in plan.uavs), plan.k_min, plan.delta
+    )
+    return certify(plan, energy_floor=floor)
+
+
+def is_clean(plan: Plan) -> bool:
+    """Whether the plan has been checked and nothing was found."""
+    return plan.certificate is not None and plan.certificate.clean
+
+
+def _problem(scenario: Scenario, found: Survey) -> RoutingProblem:
+    fleet, mission, network = scenario.fleet, scenario.mission, scenario.network
+    radio = scenario.radio.record()
+    channel = make_channel(radio)
+    reach = channel.reach(
+        dbm_to_w(np.array(fleet.p_max_dbm)), float(dbm_to_w(radio.sensitivity_dbm))
+    )
+    waypoints = np.array([waypoint.position_m for waypoint in found.waypoints])
+    pads = _pads(scenario, found, waypoints, reach)
+    check_starts(pads, reach, network.k_min, mission.d_min_m, fleet.ids)
+    return RoutingProblem(
+        waypoints_m=waypoints,
+        starts_m=pads,
+        limits=tuple(
+            MotionLimits(*speeds)
+            for speeds in zip(fleet.speed_mps, fleet.climb_mps, fleet.descent_mps, strict=True)
+        ),
+        time_model=time_model_named(mission.time_model),
+        t_max_s=np.array(fleet.t_max_s),
+        reach_m=reach,
+        k_min=network.k_min,
+        d_min_m=mission.d_min_m,
+        length_max_m=mission.length_max_m,
+        slot_count=mission.slot_count,
+        horizon_s=mission.horizon_s or None,
+        energy_j=np.array(fleet.energy_j),
+        energy_floor=energy_floor_of(radio, fleet.p_max_dbm, network.k_min, network.delta),
+        path_loss_exponent=channel.exponent,
+    )
+
+
+def _pads(scenario: Scenario, found: Survey, waypoints: Array, reach: Array) -> Array:
+    """Pad of each UAV (A, 3): on the given starting points in turn, or chosen."""
+    given = np.array(scenario.starts.positions_m).reshape(-1, 2)
+    d_min_m = scenario.mission.d_min_m
+    if len(given):
+        start_of = np.arange(scenario.fleet.count) % len(given)
+        return place_pads(given, start_of, d_min_m, found.dem.height)
+    return choose_starts(
+        waypoints,
+        min(scenario.starts.count, len(waypoints)),
+        reach,
+        scenario.network.k_min,
+        d_min_m,
+        found.dem.height,
+        # The instance must not change with the seed of the search.
+        np.random.default_rng(scenario.waypoints.seed),
+    )
+
+
+def _settings(scenario: Scenario) -> SearchSettings:
+    wanted = scenario.search
+    return SearchSettings(
+        moves=wanted.moves,
+        starts=wanted.starts,
+        time_limit_s=wanted.time_limit_s or None,
+        workers=wanted.workers or None,
+    )
+
+
+def _warm_routes(plan: Plan, found: Survey, problem: RoutingProblem) -> tuple[tuple[int, ...], ...]:
+    """Routes of an earlier plan as indices into the waypoints."""
+    if len(plan.uavs) != problem.uav_count:
+        raise PlanError(
+            f"The warm start has {len(plan.uavs)} UAVs, the scenario {problem.uav_count}. "
+            "Start from a plan for the same fleet."
+        )
+    index = {waypoint.id: place for place, waypoint in enumerate(found.waypoints)}
+    unknown = {waypoint.id for waypoint in plan.waypoints} ^ set(index)
+    if unknown:
+        raise PlanError(
+            f"The warm start is for other waypoints: {len(unknown)} ids differ. "
+            "Start from a plan for the same scenario."
+        )
+    return tuple(tuple(index[number] for number in route.waypoint_ids) for route in plan.routes)
+
+
+def _uavs(scenario: Scenario, pads_m: Array) -> tuple[Uav, ...]:
+    fleet = scenario.fleet
+    return tuple(
+        Uav(
+            id=fleet.ids[uav],
+            p_max_dbm=fleet.p_max_dbm[uav],
+            energy_j=fleet.energy_j[uav],
+            t_max_s=fleet.t_max_s[uav],
+            speed_mps=fleet.speed_mps[uav],
+            climb_mps=fleet.climb_mps[uav],
+            descent_mps=fleet.descent_mps[uav],
+            start_m=_vector(pads_m[uav]),
+        )
+        for uav in range(fleet.count)
+    )
+
+
+def _vector(point: Array) -> Vector:
+    return float(point[0]), float(point[1]), float(point[2])
+
+
+def _proof(planned: Planned) -> str:
+    certificate = planned.certificate
+    text = f"{certificate.slot_violations} of {certificate.slot_checks} slot checks violated"
+    if math.isfinite(certificate.worst_margin_db):
+        text += (
+            f", margin ≥ {certificate.worst_margin_db:.1f} dB ({certificate.worst_margin_uav}, "
+            f"slot {certificate.worst_margin_slot:g})"
+        )
+    return text + (", stopped early" if planned.interrupted else "")
