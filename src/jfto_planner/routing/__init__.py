@@ -1,0 +1,17 @@
+"""The routing problem (P1), its search and the certificate of a plan."""
+
+from jfto_planner.routing.build_plan import build_plan
+from jfto_planner.routing.certificate import certify
+from jfto_planner.routing.problem import RoutingProblem
+from jfto_planner.routing.result import SearchResult
+from jfto_planner.routing.search import search
+from jfto_planner.routing.settings import SearchSettings
+
+__all__ = [
+    "RoutingProblem",
+    "SearchResult",
+    "SearchSettings",
+    "build_plan",
+    "certify",
+    "search",
+]

@@ -1,0 +1,74 @@
+"""Turn a routing problem into the arrays on which the kernels work."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jfto_planner.routing.kernel.prng import exponential_table
+from jfto_planner.routing.kernel.tables import Floats, Tables
+from jfto_planner.routing.problem import RoutingProblem
+
+# Length of a waypoint's list of neighbours, and size of the table of random quantiles.
+NEAR_LISTED = 100
+QUANTILES = 4096
+# The search's own time grid is fine enough for the fastest UAV to fly at most this share of the
+# shortest range from one instant to the next, and has at most so many instants.
+STEP_OF_REACH = 0.05
+MOST_SLOTS = 2000
+# What rounding may take from a plan on its way through a file, in metres and seconds.
+ROUNDING_M, ROUNDING_S = 1e-4, 1e-5
+# Decimals kept of distances and times, so that the last bit of a library's square root does not
+# change a plan.
+DECIMALS = 9
+
+
+def make_tables(problem: RoutingProblem, reach_margin: float, separation_margin_m: float) -> Tables:
+    """Build the search's tables.
+
+    Ranges are shortened by the factor 1 - `reach_margin` and d_min enlarged by
+    `separation_margin_m` on the search's own coarse grid; the exact values are kept beside them.
+    """
+    points = np.concatenate([problem.waypoints_m, problem.starts_m])
+    difference = points[:, None, :] - points[None, :, :]
+    dist = np.round(np.sqrt((difference**2).sum(axis=-1)), DECIMALS)
+    classes = sorted(set(problem.limits), key=lambda k: (k.speed_mps, k.climb_mps, k.descent_mps))
+    leg = np.stack([problem.time_model.leg_matrix(points, limits) for limits in classes])
+    latest = problem.latest_arrival_s
+    slots, slot_s = _grid(problem)
+    speed = np.array([max(k.speed_mps, k.climb_mps, k.descent_mps) for k in problem.limits]) * 1.5
+    d_min = problem.d_min_m + (separation_margin_m if problem.d_min_m > 0 else 0.0)
+    return Tables(
+        dist=dist,
+        leg=np.round(leg, DECIMALS),
+        speed_class=np.array([classes.index(limits) for limits in problem.limits], dtype=np.int64),
+        xyz=points,
+        near=_nearest(dist[: problem.waypoint_count, : problem.waypoint_count]),
+        t_max=latest - ROUNDING_S,
+        reach=problem.pair_reach_m * (1.0 - reach_margin),
+        near_sq=(d_min + (speed[:, None] + speed[None, :]) * slot_s) ** 2,
+        energy_limit=np.full(problem.uav_count, np.inf),
+        reach_exact=problem.pair_reach_m - ROUNDING_M,
+        k_min=problem.k_min,
+        d_min=d_min,
+        d_min_exact=problem.d_min_m + ROUNDING_M,
+        slot_s=slot_s,
+        slots=slots,
+        fine_slots=10 * problem.slot_count,
+        hold_s=0.0 if problem.horizon_s is None else float(problem.horizon_s),
+        power_exponent=float(problem.path_loss_exponent),
+        exponential=exponential_table(QUANTILES),
+    )
+
+
+def _grid(problem: RoutingProblem) -> tuple[int, float]:
+    longest = float(problem.latest_arrival_s.max())
+    fastest = max(limits.speed_mps for limits in problem.limits)
+    step_s = STEP_OF_REACH * float(problem.reach_m.min()) / fastest
+    slots = min(max(problem.slot_count, int(np.ceil(longest / step_s))), MOST_SLOTS)
+    return slots, longest / slots
+
+
+def _nearest(dist: Floats) -> np.ndarray:
+    """Nearest waypoints of each, nearest first, equals in the order of their numbers."""
+    order = np.argsort(dist + np.diag(np.full(len(dist), -1.0)), axis=1, kind="stable")
+    return np.ascontiguousarray(order[:, 1 : NEAR_LISTED + 1].astype(np.int32))

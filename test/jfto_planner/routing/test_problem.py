@@ -1,0 +1,61 @@
+"""Routing problems with wrong fields are refused with the field's name."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from jfto_msgs_py.errors import InputError
+from jfto_planner.routing import SearchSettings
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"waypoints_m": np.zeros((5, 2))}, r"waypoints_m has shape \(5, 2\)"),
+        ({"waypoints_m": np.zeros((0, 3))}, "waypoints_m has shape"),
+        ({"waypoints_m": np.array([[0, 0, 0], [0, np.nan, 0]])}, r"waypoints_m\[1\]"),
+        ({"starts_m": np.zeros((65, 3))}, "starts_m has 65 pads"),
+        ({"limits": ()}, "limits has 0 entries for 4 UAVs"),
+        ({"t_max_s": np.array([1.0, 2, 3])}, r"t_max_s has shape \(3,\)"),
+        ({"t_max_s": np.array([1.0, 2, 0, 3])}, r"t_max_s\[2\] is 0.0"),
+        ({"reach_m": np.array([1.0, -2, 3, 3])}, r"reach_m\[1\] is -2.0"),
+        ({"k_min": 4}, "4 UAVs can have at most 3 neighbours"),
+        ({"k_min": -1}, "k_min is -1"),
+        ({"d_min_m": -1.0}, "d_min_m is -1.0"),
+        ({"length_max_m": 0.0}, "length_max_m is 0.0"),
+        ({"slot_count": 0}, "slot_count is 0"),
+        ({"horizon_s": 0.0}, "horizon_s is 0.0"),
+        ({"energy_j": np.ones(4)}, "energy_j and energy_floor must be given together"),
+        ({"path_loss_exponent": 0.0}, "path_loss_exponent is 0.0"),
+    ],
+)
+def test_wrong_field_is_named(make_problem, changes, message):
+    """Each wrong shape or value raises InputError naming the field."""
+    with pytest.raises(InputError, match=message):
+        make_problem(**changes)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"moves": 0}, "moves is 0"),
+        ({"moves": None}, "moves and search.time_limit_s are both None"),
+        ({"starts": 0}, "starts is 0"),
+        ({"time_limit_s": 0.0}, "time_limit_s is 0.0"),
+        ({"workers": 0}, "workers is 0"),
+        ({"ruin_share": 1.5}, "ruin_share is 1.5"),
+        ({"coldest": 2.0, "hottest": 1.0}, "coldest is 2.0"),
+    ],
+)
+def test_wrong_setting_is_named(changes, message):
+    """Each wrong setting raises InputError naming it."""
+    with pytest.raises(InputError, match=message):
+        SearchSettings(**changes)
+
+
+def test_pair_reach_is_the_lesser_range(make_problem):
+    """A link must be closed by both ends, so the weaker one sets its reach."""
+    problem = make_problem(reach_m=np.array([100.0, 300.0, 200.0, 300.0]))
+    assert problem.pair_reach_m[1, 2] == 200.0
+    assert problem.pair_reach_m[0, 3] == 100.0
