@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
+# Kinds of links to cut, in this order.
+CHOICES = 4
+
 
 @njit(cache=True, nogil=True)
 def trimmed_lists(
@@ -17,9 +20,10 @@ def trimmed_lists(
     """Active links after trimming, degrees before it, and UAVs left with too many neighbours.
 
     `required_w` and `ring_w` are (M, A, A) and `level_w` (M, A) holds mutual lists. A link goes
-    only while both ends keep K_min neighbours and the fleet stays as connected as it was. Longest
-    first; a link that vanishes when one end lowers its power goes before one that merely leaves
-    the lists. Returns (M, A, A), (M, A), (M, A).
+    only while both ends keep K_min neighbours and the fleet stays as connected as it was. A link
+    that vanishes when one end lowers its power goes before one that merely leaves the lists, then
+    one between two UAVs that both have too many before others, then the longest one. Returns
+    (M, A, A), (M, A), (M, A).
     """
     slots, uavs, _ = required_w.shape
     active = np.zeros((slots, uavs, uavs), dtype=np.bool_)
@@ -49,50 +53,55 @@ def _trim(
     farthest = np.empty((uavs, 2), dtype=np.int64)
     for a in range(uavs):
         _two_farthest(ring, active, a, farthest)
-    by_power = True
-    while True:
+    choice = 0
+    while choice < CHOICES:
         found = -1
         for e in range(ends.shape[0]):
-            a, b = ends[e]
-            if settled[e] or max(degree[a], degree[b]) <= k_min + delta:
+            a, b = ends[e, 0], ends[e, 1]
+            lesser, greater = min(degree[a], degree[b]), max(degree[a], degree[b])
+            # Choices 0 and 2 cut between two UAVs in excess, which spares a link elsewhere.
+            excess = (lesser if choice % 2 == 0 else greater) - k_min - delta
+            if settled[e] or excess <= 0:
                 continue
-            if by_power and not (
+            # Choices 0 and 1 cut what one end's power can drop, 2 and 3 what only the lists can.
+            if choice < 2 and not (
                 _beyond_power(required, ring, farthest, a, b)
                 or _beyond_power(required, ring, farthest, b, a)
             ):
                 continue
             settled[e] = True
-            if min(degree[a], degree[b]) > k_min and _detour(active, a, b):
+            if lesser > k_min and _detour(active, a, b):
                 found = e
                 break
         if found < 0:
-            if not by_power:
-                return
-            by_power = False
+            choice += 1
             continue
-        a, b = ends[found]
+        a, b = ends[found, 0], ends[found, 1]
         active[a, b] = active[b, a] = False
         degree[a] -= 1
         degree[b] -= 1
         _two_farthest(ring, active, a, farthest)
         _two_farthest(ring, active, b, farthest)
-        by_power = True
+        choice = 0
 
 
 @njit(cache=True, nogil=True)
 def _longest_first(required: Array, active: Flags) -> NDArray[np.int64]:
     """Active links (L, 2) by falling power, then by index."""
     uavs = active.shape[0]
-    ends = np.empty((active.sum() // 2, 2), dtype=np.int64)
-    cost = np.empty(ends.shape[0])
+    ends = np.empty((uavs * (uavs - 1) // 2, 2), dtype=np.int64)
     count = 0
     for a in range(uavs):
         for b in range(a + 1, uavs):
-            if active[a, b]:
-                ends[count, 0], ends[count, 1] = a, b
-                cost[count] = -required[a, b]
-                count += 1
-    return ends[np.argsort(cost, kind="mergesort")]
+            if not active[a, b]:
+                continue
+            place = count
+            while place > 0 and required[ends[place - 1, 0], ends[place - 1, 1]] < required[a, b]:
+                ends[place, 0], ends[place, 1] = ends[place - 1, 0], ends[place - 1, 1]
+                place -= 1
+            ends[place, 0], ends[place, 1] = a, b
+            count += 1
+    return ends[:count]
 
 
 @njit(cache=True, nogil=True)
