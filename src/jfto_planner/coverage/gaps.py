@@ -11,17 +11,19 @@ from jfto_planner.coverage.certificate import CoverageCertificate
 Array = NDArray[np.float64]
 
 
-def gap_centres(certificate: CoverageCertificate, window_m: float, most: int) -> Array:
+def gap_centres(
+    certificate: CoverageCertificate, window_m: float, most: int, may_stay: float
+) -> Array:
     """Points (K, 2), x and y, around which most ground is unseen, the worst first, K ≤ `most`.
 
     Greedy: the square window of side `window_m` with the most unseen samples is taken, its samples
-    count as seen, and so on.
+    count as seen, and so on until at most the share `may_stay` of all is left.
     """
     x, y = certificate.x_m, certificate.y_m
     unseen = certificate.views == 0
     size = (_odd(window_m / (y[1] - y[0])), _odd(window_m / (x[1] - x[0])))
     centres: list[tuple[float, float]] = []
-    while unseen.any() and len(centres) < most:
+    while unseen.mean() > may_stay and len(centres) < most:
         count = ndimage.uniform_filter(unseen.astype(np.float64), size, mode="constant")
         # The window's unseen samples may lie in a corner of it: aim at their middle.
         row, column = np.unravel_index(int(np.argmax(np.round(count, 9))), count.shape)

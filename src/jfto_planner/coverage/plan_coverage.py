@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 
 # A photo from further away than this multiple of the wished distance does not count as coverage.
 _GSD_SLACK = 2.0
-_FILL_ROUNDS = 6
+_FILL_ROUNDS = 10
 
 
 @dataclass(frozen=True)
@@ -87,11 +87,11 @@ def plan_coverage(
 
     certificate = certify(0)
     for step in range(1, _FILL_ROUNDS + 1):
-        room = min(max(1, len(waypoints) // 20), settings.max_waypoints - len(waypoints))
+        room = min(max(2, len(waypoints) // 10), settings.max_waypoints - len(waypoints))
         enough = certificate.seen_once >= settings.min_seen_once
         if enough or room <= 0 or not settings.fill_gaps:
             break
-        gaps = gap_centres(certificate, min(footprint), room)
+        gaps = gap_centres(certificate, min(footprint), room, 1 - settings.min_seen_once)
         more, more_notes = placer.place(gaps, len(waypoints), "the grid left ground here unseen")
         if not more:
             break
