@@ -10,8 +10,10 @@ from jfto_mavlink.rtt import RoundTrip
 NS = 1_000_000_000
 # Samples among which the one with the shortest round trip is believed.
 WINDOW = 16
-# A vehicle's clock that is this much earlier than before, beyond any delay, has started again.
-BACK_S = 0.5
+# A vehicle's clock that is this much behind, beyond any delay, has started again.
+BACK_S = 1.0
+# Time over which the pace of a vehicle's clock is worth measuring.
+MEASURED_S = 3.0
 
 
 @dataclass
@@ -26,7 +28,8 @@ class TimeSync:
     round_trip: RoundTrip = field(default_factory=RoundTrip)
     utc_error_s: float | None = None
     samples: int = 0
-    _last_ns: int | None = None
+    _first: tuple[float, float] | None = None
+    _last: tuple[float, float] | None = None
     _window: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=WINDOW))
 
     def answer(self, sent_ns: int, vehicle_ns: int, now_ns: int) -> bool:
@@ -37,12 +40,14 @@ class TimeSync:
         rtt_s = (now_ns - sent_ns) / NS
         if not 0 <= rtt_s < 10:
             return False
-        back = self._last_ns is not None and vehicle_ns / NS + rtt_s + BACK_S < self._last_ns / NS
-        self._last_ns = vehicle_ns
+        our_s, vehicle_s = (sent_ns + now_ns) / 2 / NS, vehicle_ns / NS
+        back = self._behind_s(our_s, vehicle_s) > rtt_s + BACK_S
         if back:
-            self._window.clear()
+            self.restart()
+        self._first = self._first or (our_s, vehicle_s)
+        self._last = (our_s, vehicle_s)
         self.round_trip.measure(rtt_s)
-        self._window.append((rtt_s, (vehicle_ns - (sent_ns + now_ns) / 2) / NS))
+        self._window.append((rtt_s, vehicle_s - our_s))
         self.samples += 1
         return back
 
@@ -55,8 +60,21 @@ class TimeSync:
     def restart(self) -> None:
         """Forget the offset: the vehicle has booted again."""
         self._window.clear()
-        self._last_ns = None
+        self._first = self._last = None
         self.utc_error_s = None
+
+    def _behind_s(self, our_s: float, vehicle_s: float) -> float:
+        """How far the vehicle's clock is behind where its last answer and its pace put it.
+
+        A simulation may run slower than it should, so the pace is measured, and doubted: a third
+        of the time since the last answer is allowed for.
+        """
+        if self._first is None or self._last is None:
+            return 0.0
+        passed_s = our_s - self._last[0]
+        span_s = self._last[0] - self._first[0]
+        pace = (self._last[1] - self._first[1]) / span_s if span_s > MEASURED_S else 1.0
+        return self._last[1] + pace * passed_s - vehicle_s - max(passed_s, 0.0) / 3
 
     @property
     def offset_s(self) -> float | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import socket
+import termios
 from abc import ABC, abstractmethod
 
 import serial
@@ -147,8 +148,13 @@ class SerialTransport(StreamTransport):
             self._port = serial.Serial(self.address.host, self.address.number, timeout=0)
         except (OSError, ValueError):
             return None
-        os.set_blocking(self._port.fileno(), False)
-        return self._port.fileno()
+        fd = self._port.fileno()
+        os.set_blocking(fd, False)
+        # With pyserial's VMIN of 0 a silent line reads like an unplugged one.
+        attributes = termios.tcgetattr(fd)
+        attributes[6][termios.VMIN] = 1
+        termios.tcsetattr(fd, termios.TCSANOW, attributes)
+        return fd
 
     def _shut(self) -> None:
         self._port.close()

@@ -22,12 +22,16 @@ class UdpTransport:
             family, kind, _, _, target = socket.getaddrinfo(
                 address.host, address.number, type=socket.SOCK_DGRAM
             )[0]
-            self._socket = socket.socket(family, kind)
-            self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
-            self._socket.setblocking(False)
+        except OSError as error:
+            raise LinkError(102, f"{address}: unknown host: {error.strerror}.") from error
+        self._socket = socket.socket(family, kind)
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
+        self._socket.setblocking(False)
+        try:
             if address.kind == "udpin":
                 self._socket.bind(target)
         except OSError as error:
+            self._socket.close()
             raise LinkError(102, f"{address}: cannot be opened: {error.strerror}.") from error
         self._target = None if address.kind == "udpin" else target
 
