@@ -1,0 +1,78 @@
+"""What a trajectory may ask of its vehicle and its camera."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jfto_msgs_py.errors import InputError
+from jfto_world.motion.limits import MotionLimits
+
+GRAVITY_MPS2 = 9.80665
+
+
+@dataclass(frozen=True)
+class CurveLimits:
+    """Limits of speed, acceleration, jerk and tilt along a trajectory.
+
+    `speed_mps` and `accel_mps2` bound the horizontal parts, `climb_mps`, `descent_mps` and
+    `accel_z_mps2` the vertical ones, `jerk_mps3` the whole jerk. `tilt_deg` bounds the angle of
+    the thrust that acceleration, gravity and linear drag (`drag_1ps` · velocity) need.
+    """
+
+    speed_mps: float
+    climb_mps: float
+    descent_mps: float
+    accel_mps2: float = 3.5
+    accel_z_mps2: float = 2.0
+    jerk_mps3: float = 5.0
+    tilt_deg: float = 30.0
+    drag_1ps: float = 0.0
+
+    def __post_init__(self) -> None:
+        for entry in fields(self):
+            value = getattr(self, entry.name)
+            if not (
+                math.isfinite(value) and (value > 0 or (entry.name == "drag_1ps" and value == 0))
+            ):
+                raise InputError(f"{entry.name} is {value}, must be positive and finite.")
+        if self.tilt_deg >= 90:
+            raise InputError(f"tilt_deg is {self.tilt_deg}, must be below 90.")
+        cruise = math.degrees(math.atan(self.drag_1ps * self.speed_mps / GRAVITY_MPS2))
+        if cruise >= self.tilt_deg:
+            raise InputError(
+                f"speed_mps {self.speed_mps} needs {cruise:.1f}° of tilt against drag, more than "
+                f"tilt_deg {self.tilt_deg}; lower the speed or raise the tilt."
+            )
+
+    @classmethod
+    def of(cls, motion: MotionLimits, **others: float) -> CurveLimits:
+        """Limits with the three speeds of `motion`; `others` as the fields."""
+        return cls(motion.speed_mps, motion.climb_mps, motion.descent_mps, **others)
+
+    def row(self, margin: float = 0.0) -> NDArray[np.float64]:
+        """The limits lowered by `margin` as the row of 8 numbers for compiled functions."""
+        kept = 1.0 - margin
+        return np.array(
+            [
+                kept * self.speed_mps,
+                kept * self.climb_mps,
+                kept * self.descent_mps,
+                kept * self.accel_mps2,
+                kept * self.accel_z_mps2,
+                kept * self.jerk_mps3,
+                kept * math.tan(math.radians(self.tilt_deg)),
+                self.drag_1ps,
+            ]
+        )
+
+
+def photo_speed_mps(gsd_m: float, blur_px: float, exposure_s: float) -> float:
+    """Fastest pass over a photo point: the image moves `blur_px` pixels during the exposure."""
+    for name, value in (("gsd_m", gsd_m), ("blur_px", blur_px), ("exposure_s", exposure_s)):
+        if not value > 0:
+            raise InputError(f"{name} is {value}, must be positive.")
+    return gsd_m * blur_px / exposure_s
