@@ -3,23 +3,39 @@
 from jfto_planner.smoothing.bounds import rest_to_rest_s, straight_line_s
 from jfto_planner.smoothing.hull import limit_ratios
 from jfto_planner.smoothing.limits import CurveLimits, photo_speed_mps
+from jfto_planner.smoothing.separation import (
+    Approach,
+    SeparationSettings,
+    closest_approach,
+    separate,
+)
 from jfto_planner.smoothing.smooth import (
     RouteRequest,
     SmoothingSettings,
     smooth_route,
     smooth_routes,
 )
+from jfto_planner.smoothing.terrain import Clearance, least_clearance_m, smooth_above
+from jfto_planner.smoothing.time_model import SmoothFlight
 from jfto_planner.smoothing.trajectory import Motion, Trajectory
 
 __all__ = [
+    "Approach",
+    "Clearance",
     "CurveLimits",
     "Motion",
     "RouteRequest",
+    "SeparationSettings",
+    "SmoothFlight",
     "SmoothingSettings",
     "Trajectory",
+    "closest_approach",
+    "least_clearance_m",
     "limit_ratios",
     "photo_speed_mps",
     "rest_to_rest_s",
+    "separate",
+    "smooth_above",
     "smooth_route",
     "smooth_routes",
     "straight_line_s",

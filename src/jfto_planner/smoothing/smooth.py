@@ -71,7 +71,7 @@ def smooth_route(request: RouteRequest, settings: SmoothingSettings | None = Non
     within the limits is found.
     """
     settings = settings or SmoothingSettings()
-    points, stop, hold, cap = _checked(request)
+    points, stop, hold, cap = checked(request)
     first, joint_of = _distinct(points)
     merged_stop = np.zeros(len(first), dtype=np.bool_)
     np.logical_or.at(merged_stop, joint_of, stop)
@@ -91,7 +91,8 @@ def smooth_route(request: RouteRequest, settings: SmoothingSettings | None = Non
     return Trajectory(control, duration, passed[joint_of])
 
 
-def _checked(request: RouteRequest) -> tuple[Array, NDArray[np.bool_], Array, Array]:
+def checked(request: RouteRequest) -> tuple[Array, NDArray[np.bool_], Array, Array]:
+    """Points (M, 3), stops, holds and caps (M,) of a request; raises InputError."""
     points = np.ascontiguousarray(request.points_m, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 3 or len(points) == 0:
         raise InputError(f"points_m has shape {points.shape}, must be (M, 3) with M >= 1.")

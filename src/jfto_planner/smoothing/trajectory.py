@@ -49,13 +49,9 @@ class Trajectory:
 
     def motion(self, times_s: Array) -> Motion:
         """Motion at times from lift-off; at rest outside of the flight."""
-        times = np.atleast_1d(np.asarray(times_s, dtype=np.float64))
+        times, which, share = self._locate(times_s)
         knots = self.knots_s
-        which = np.clip(
-            np.searchsorted(knots, times, side="right") - 1, 0, len(self.duration_s) - 1
-        )
         span = self.duration_s[which]
-        share = np.clip((times - knots[which]) / span, 0.0, 1.0)
         outside = ((times < knots[0]) | (times > knots[-1]))[:, None]
         parts, points = [], self.control_m[which]
         for order in range(4):
@@ -66,7 +62,16 @@ class Trajectory:
 
     def positions(self, times_s: Array) -> Array:
         """Positions at times from lift-off, (T, 3)."""
-        return self.motion(times_s).position_m
+        _, which, share = self._locate(times_s)
+        return _bernstein(self.control_m[which], share)
+
+    def _locate(self, times_s: Array) -> tuple[Array, NDArray[np.intp], Array]:
+        """Times (T,), the segment of each, and where in it, 0 to 1."""
+        times = np.atleast_1d(np.asarray(times_s, dtype=np.float64))
+        knots = self.knots_s
+        which = np.searchsorted(knots, times, side="right") - 1
+        which = np.clip(which, 0, len(self.duration_s) - 1)
+        return times, which, np.clip((times - knots[which]) / self.duration_s[which], 0.0, 1.0)
 
     def sampled(self, per_segment: int) -> tuple[Array, Motion]:
         """`per_segment` + 1 even instants of each segment, ends included, and the motion there.

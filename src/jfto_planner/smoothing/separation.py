@@ -1,0 +1,157 @@
+"""Distance between vehicles in continuous time, kept by start delays and slower flight."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jfto_msgs_py.errors import InfeasibleError, InputError
+from jfto_planner.smoothing.trajectory import Trajectory
+
+Array = NDArray[np.float64]
+NeighbourCheck = Callable[[Array], bool]
+
+
+@dataclass(frozen=True)
+class SeparationSettings:
+    """What may be changed to keep vehicles apart: delays in steps, and slower flight."""
+
+    delay_max_s: float = 30.0
+    delay_step_s: float = 0.5
+    slow_max: float = 1.2
+    slow_step: float = 0.05
+    check_s: float = 0.1
+
+    def __post_init__(self) -> None:
+        if self.delay_max_s < 0 or self.slow_max < 1:
+            raise InputError(
+                f"delay_max_s is {self.delay_max_s}, must not be negative, and slow_max is "
+                f"{self.slow_max}, must be at least 1."
+            )
+        for name in ("delay_step_s", "slow_step", "check_s"):
+            if not getattr(self, name) > 0:
+                raise InputError(f"{name} is {getattr(self, name)}, must be positive.")
+
+
+@dataclass(frozen=True)
+class Approach:
+    """The closest approach of two vehicles."""
+
+    first: int
+    second: int
+    time_s: float
+    distance_m: float
+
+
+def closest_approach(trajectories: tuple[Trajectory, ...], check_s: float = 0.1) -> Approach | None:
+    """Closest approach of any two trajectories in continuous time; None for fewer than two.
+
+    Exact to about a millimetre: intervals that could hide a closer approach, judged by the speeds
+    of the two, are sampled again 64 times finer, twice.
+    """
+    best: Approach | None = None
+    for a in range(len(trajectories)):
+        for b in range(a + 1, len(trajectories)):
+            time, distance = _closest(trajectories[a], trajectories[b], check_s)
+            if best is None or distance < best.distance_m:
+                best = Approach(a, b, time, distance)
+    return best
+
+
+def separate(
+    trajectories: tuple[Trajectory, ...],
+    d_min_m: float,
+    settings: SeparationSettings | None = None,
+    neighbours_kept: NeighbourCheck | None = None,
+) -> tuple[Trajectory, ...]:
+    """Delay or slow vehicles, later ones first, until all are at least `d_min_m` apart.
+
+    `neighbours_kept` gets the positions (K, A, 3) of all vehicles once per second and says whether
+    a change is acceptable; changes that it refuses are not made. Among changes that do, the one
+    that ends a vehicle's flight soonest is taken. Raises InfeasibleError naming the pair and time
+    that cannot be kept apart.
+    """
+    settings = settings or SeparationSettings()
+    flown = list(trajectories)
+    for vehicle in range(1, len(flown)):
+        conflict = _conflict(flown, vehicle, flown[vehicle], d_min_m, settings)
+        if conflict is None:
+            continue
+        for option in _options(flown[vehicle], settings):
+            if _conflict(flown, vehicle, option, d_min_m, settings) is not None:
+                continue
+            trial = [*flown[:vehicle], option, *flown[vehicle + 1 :]]
+            if neighbours_kept is None or neighbours_kept(_together(trial)):
+                flown[vehicle] = option
+                break
+        else:
+            raise InfeasibleError(
+                f"UAVs {conflict.first} and {conflict.second} come within "
+                f"{conflict.distance_m:.1f} m at {conflict.time_s:.1f} s, d_min is {d_min_m} m; no "
+                f"start delay up to {settings.delay_max_s} s or slower flight keeps them apart.",
+                cures=("allow longer delays", "plan other routes", "lower d_min_m"),
+            )
+    return tuple(flown)
+
+
+def _options(trajectory: Trajectory, settings: SeparationSettings) -> list[Trajectory]:
+    delays = np.arange(0, settings.delay_max_s + 1e-9, settings.delay_step_s)
+    factors = np.arange(1.0, settings.slow_max + 1e-9, settings.slow_step)
+    pairs = [(float(d), float(f)) for d in delays for f in factors if d > 0 or f > 1]
+    span = trajectory.end_s - trajectory.delay_s
+    pairs.sort(key=lambda pair: (pair[0] + span * pair[1], pair[0]))
+    return [trajectory.delayed(delay).slowed(factor) for delay, factor in pairs]
+
+
+def _conflict(
+    flown: list[Trajectory],
+    vehicle: int,
+    option: Trajectory,
+    d_min_m: float,
+    settings: SeparationSettings,
+) -> Approach | None:
+    """First earlier vehicle that `option` would come too close to."""
+    for other in range(vehicle):
+        time, distance = _closest(flown[other], option, settings.check_s, d_min_m)
+        if distance < d_min_m:
+            return Approach(other, vehicle, time, distance)
+    return None
+
+
+def _closest(
+    one: Trajectory, two: Trajectory, check_s: float, enough_m: float = np.inf
+) -> tuple[float, float]:
+    """Time and distance of the closest approach; no finer than to tell it from `enough_m`."""
+    end = max(one.end_s, two.end_s)
+    step = check_s
+    times = np.append(np.arange(0.0, end, step), end)
+    best_time, best = 0.0, np.inf
+    for level in range(3):
+        gap = np.linalg.norm(one.positions(times) - two.positions(times), axis=1)
+        lowest = int(np.argmin(gap))
+        if gap[lowest] < best:
+            best_time, best = float(times[lowest]), float(gap[lowest])
+        if level == 2 or (best < enough_m < np.inf):
+            break
+        reach = (_top_speed(one) + _top_speed(two)) * 0.5 * step
+        near = times[gap - reach < min(best, enough_m)]
+        if len(near) == 0:
+            break
+        offsets = np.linspace(-0.5 * step, 0.5 * step, 65)
+        times = np.unique(np.clip(near[:, None] + offsets, 0.0, end))
+        step /= 64.0
+    return best_time, best
+
+
+def _top_speed(trajectory: Trajectory) -> float:
+    legs = np.linalg.norm(np.diff(trajectory.control_m, axis=1), axis=2)
+    return float(np.max(5.0 * legs / trajectory.duration_s[:, None]))
+
+
+def _together(trajectories: list[Trajectory]) -> Array:
+    end = max(t.end_s for t in trajectories)
+    times = np.append(np.arange(0.0, end, 1.0), end)
+    return np.stack([t.positions(times) for t in trajectories], axis=1)
