@@ -22,6 +22,8 @@ from jfto_world.terrain.sample_tile import JACKSBORO, jacksboro
 Array = NDArray[np.float64]
 
 DEFAULT_MARGIN_M = 500.0
+# Shares of the default margin that are tried where a raster ends near the area.
+_MARGIN_SHARES = (1.0, 0.7, 0.5, 0.3, 0.2, 0.1, 0.0)
 # The Dead Sea's shore and Everest, with some room for mines and for noise.
 LOWEST_M, HIGHEST_M = -600.0, 9000.0
 _LARGEST_M = 100_000.0
@@ -36,30 +38,28 @@ def load_dem(
     *,
     center: tuple[float, float] | None,
     size_m: tuple[float, float],
-    margin_m: float = DEFAULT_MARGIN_M,
+    margin_m: float | None = None,
     zero_is_void: bool = True,
 ) -> Dem:
     """Ground of the area of `size_m` (east-west, north-south) about `center` (lat, lon).
 
     `source` is a GeoTIFF, SRTM .hgt or Esri ASCII file in any CRS, or "jacksboro" for the
     built-in tile. `center` None means the middle of the raster. The ground is known `margin_m`
-    beyond the area too: cameras stand outside of slopes. `zero_is_void` takes heights of exactly
-    0 for missing data, as many files do; switch it off at the sea. The origin's altitude is the
-    ground's at the centre, in the file's own height datum.
+    beyond the area too, as cameras stand outside of slopes; None means 500 m, or as much of that
+    as the raster holds. `zero_is_void` takes heights of exactly 0 for missing data, as many files
+    do; switch it off at the sea. The origin's altitude is the ground's at the centre, in the
+    file's own height datum.
 
     Raises TerrainError, naming file, reason and cure.
     """
     raster = jacksboro() if str(source) == JACKSBORO else open_raster(Path(source))
     lat_deg, lon_deg = _check_center(raster, center)
-    half = _check_size(size_m, margin_m)
+    _check_size(size_m, margin_m)
     frame = LocalFrame(Origin(lat_deg, lon_deg, 0.0))
     cell_m = _cell_size(raster, frame)
-    x, y = _axes(half, cell_m)
+    half, x, y, columns, rows = _cut(raster, frame, size_m, margin_m, cell_m)
     grid_x, grid_y = np.meshgrid(x, y)
-
     block = max(1, round(min(x[1] - x[0], y[1] - y[0]) / cell_m))
-    columns, rows = _cells_under(raster, frame, grid_x, grid_y, np.zeros_like(grid_x))
-    _check_covered(raster, columns, rows, margin_m)
     ground, affine = _source_surface(raster, columns, rows, block, zero_is_void)
 
     origin = _origin(raster, ground, affine, lat_deg, lon_deg)
@@ -79,7 +79,8 @@ def load_dem(
         above_ellipsoid=raster.above_ellipsoid,
         description=(
             f"{raster.name}: {raster.crs.name}, cells of {cell_m * block:.3g} m, "
-            f"heights above {raster.height_datum}, origin at {origin.alt_m:.1f} m"
+            f"heights above {raster.height_datum}, origin at {origin.alt_m:.1f} m, "
+            f"known {half[0] - size_m[0] / 2:.0f} m beyond the area"
         ),
     )
 
@@ -98,14 +99,13 @@ def _check_center(raster: Raster, center: tuple[float, float] | None) -> tuple[f
     return lat_deg, lon_deg
 
 
-def _check_size(size_m: tuple[float, float], margin_m: float) -> tuple[float, float]:
+def _check_size(size_m: tuple[float, float], margin_m: float | None) -> None:
     if not all(0 < side <= _LARGEST_M for side in size_m):
         raise TerrainError(
             f"size_m is {tuple(size_m)}, both sides must be positive and at most 100 km."
         )
-    if not 0 <= margin_m <= _LARGEST_M:
+    if margin_m is not None and not 0 <= margin_m <= _LARGEST_M:
         raise TerrainError(f"margin_m is {margin_m}, must be between 0 and 100 km.")
-    return size_m[0] / 2 + margin_m, size_m[1] / 2 + margin_m
 
 
 def _cell_size(raster: Raster, frame: LocalFrame) -> float:
@@ -133,23 +133,37 @@ def _axes(half: tuple[float, float], cell_m: float) -> tuple[Array, Array]:
     return axis(half[0]), axis(half[1])
 
 
-def _cells_under(
-    raster: Raster, frame: LocalFrame, x: Array, y: Array, z: Array
-) -> tuple[Array, Array]:
-    lat, lon, _ = frame.to_geodetic(np.stack([x, y, z], axis=-1))
-    return raster.cells(lat, lon)
+def _cut(
+    raster: Raster,
+    frame: LocalFrame,
+    size_m: tuple[float, float],
+    margin_m: float | None,
+    cell_m: float,
+) -> tuple[tuple[float, float], Array, Array, Array, Array]:
+    """Half extent, node axes x and y, and the raster's columns and rows under the nodes.
 
-
-def _check_covered(raster: Raster, columns: Array, rows: Array, margin_m: float) -> None:
+    Takes the widest margin that the raster covers; raises TerrainError where it covers none.
+    """
     height, width = raster.shape
-    inside = (columns >= 0) & (columns <= width - 1) & (rows >= 0) & (rows <= height - 1)
-    if not inside.all():
-        share = 100 * float(np.mean(inside))
-        raise TerrainError(
-            f"{raster.name} covers only {share:.0f} % of the area with its margin of "
-            f"{margin_m:.0f} m: it holds {raster.extent_text()}. Move the centre, make size_m or "
-            "margin_m smaller, or merge it with its neighbours (gdal_merge.py)."
-        )
+    wide = DEFAULT_MARGIN_M
+    margins = [margin_m] if margin_m is not None else [share * wide for share in _MARGIN_SHARES]
+    for margin in margins:
+        half = (size_m[0] / 2 + margin, size_m[1] / 2 + margin)
+        x, y = _axes(half, cell_m)
+        nodes = np.stack([*np.meshgrid(x, y), np.zeros((len(y), len(x)))], axis=-1)
+        lat, lon, _ = frame.to_geodetic(nodes)
+        columns, rows = raster.cells(lat, lon)
+        inside = (columns >= 0) & (columns <= width - 1) & (rows >= 0) & (rows <= height - 1)
+        if inside.all():
+            return half, x, y, columns, rows
+    share = 100 * float(np.mean(inside))
+    beyond = f" with its margin of {margin_m:.0f} m" if margin_m else ""
+    cure = "size_m or margin_m" if margin_m else "size_m"
+    raise TerrainError(
+        f"{raster.name} covers only {share:.0f} % of the area{beyond}: it holds "
+        f"{raster.extent_text()}. Move the centre, make {cure} smaller, or merge it with its "
+        "neighbours (gdal_merge.py)."
+    )
 
 
 def _source_surface(

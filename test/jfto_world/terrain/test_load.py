@@ -312,6 +312,7 @@ def test_images_and_unplaced_rasters_are_refused(tmp_path):
     ("wish", "reason"),
     [
         ({"center": (40.2, -105.561)}, "covers only"),
+        ({"margin_m": 8000.0}, "margin of 8000 m"),
         ({"center": (10.0, 20.0)}, "covers only 0 %"),
         ({"center": (40.15, -105.5), "size_m": (20_000.0, 100.0)}, "covers only"),
         ({"center": (95.0, 0.0)}, "not a latitude"),
@@ -330,6 +331,18 @@ def test_impossible_areas_are_refused(wish, reason):
         load_dem(ASC, **wish)
     if "covers" in reason:
         assert "latitude 40.09" in str(caught.value)
+
+
+def test_near_the_edge_of_a_raster_the_margin_shrinks_unless_asked_for():
+    """Without margin_m the widest margin that the file holds is taken, and told."""
+    near = (40.2, -105.5)
+    dem = load_dem(ASC, center=near, size_m=(2000, 2000))
+    assert 0 <= dem.half_extent_m[0] - 1000 < 500
+    assert f"known {dem.half_extent_m[0] - 1000:.0f} m beyond" in dem.description
+    wide = load_dem(ASC, center=ASC_CENTER, size_m=(2000, 2000))
+    assert wide.half_extent_m == (1500, 1500)
+    with pytest.raises(TerrainError, match="margin of 500 m"):
+        load_dem(ASC, center=near, size_m=(2000, 2000), margin_m=500)
 
 
 def test_loading_twice_gives_equal_bits():
