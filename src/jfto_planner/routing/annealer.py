@@ -28,9 +28,6 @@ STRETCH = 40_000
 STRICT_FROM = 0.7
 # Extra moves, as a share of the budget, to repair routes that are still not sound at its end.
 REPAIR_SHARE = 0.2
-# Margins of the search's own grid against what happens between its instants.
-REACH_MARGIN = 0.002
-SEPARATION_MARGIN_M = 1.0
 # A start from given routes anneals from this share of the usual temperature.
 WARM = 0.2
 # Weights (metres per unit of violation) at the start, indexed like State.total.
@@ -63,7 +60,7 @@ class Annealer:
         warm_start: Routes | None,
     ) -> None:
         self.problem = problem
-        self.tables = make_tables(problem, REACH_MARGIN, SEPARATION_MARGIN_M)
+        self.tables = make_tables(problem)
         self.search = _new_search(problem, self.tables.slots, self.tables.fine_slots, seed)
         self.found = Found()
         nearest = self.tables.dist[: problem.waypoint_count, : problem.waypoint_count]
@@ -91,7 +88,9 @@ class Annealer:
         if self.found.routes is None and not stopped():
             self._repair(int(done * REPAIR_SHARE))
         self.found.moves = int(self.search.counters[TRIED])
-        self._note_closest(_routes(self.search.closest))
+        closest = _routes(self.search.closest)
+        if sum(map(len, closest)) == self.problem.waypoint_count:
+            self._note(closest, assess(self.problem, closest))
         return self.found
 
     def _stretch(self, fraction: float, moves: int, may_relax: bool) -> None:
@@ -116,13 +115,10 @@ class Annealer:
             return
         routes = _routes(best)
         assessment = assess(self.problem, routes)
-        if assessment.clean:
-            self.found.routes, self.found.length_m = routes, assessment.length_m
-            best.total[LENGTH] = assessment.length_m
-            return
-        self._note_closest(routes, assessment)
+        self._note(routes, assessment)
         best.total[LENGTH] = self.found.length_m
-        self._learn(routes, assessment)
+        if not assessment.clean:
+            self._learn(routes, assessment)
 
     def _learn(self, routes: Routes, assessment: Assessment) -> None:
         """Tighten the kernel's view of a constraint that the exact check found broken."""
@@ -159,13 +155,12 @@ class Annealer:
         self.search.cur.total[:] = np.inf
         self.search.violated[0] = np.inf
 
-    def _note_closest(self, routes: Routes, assessment: Assessment | None = None) -> None:
-        if sum(map(len, routes)) < self.problem.waypoint_count:
-            return
-        assessment = assessment or assess(self.problem, routes)
-        severity = assessment.severity
-        if severity < self.found.closest_severity:
-            self.found.closest, self.found.closest_severity = routes, severity
+    def _note(self, routes: Routes, assessment: Assessment) -> None:
+        found = self.found
+        if assessment.clean and assessment.length_m < found.length_m:
+            found.routes, found.length_m = routes, assessment.length_m
+        if assessment.severity < found.closest_severity:
+            found.closest, found.closest_severity = routes, assessment.severity
 
 
 def _new_search(problem: RoutingProblem, slots: int, fine_slots: int, seed: int) -> Search:

@@ -22,12 +22,8 @@ ROUNDING_M, ROUNDING_S = 1e-4, 1e-5
 DECIMALS = 9
 
 
-def make_tables(problem: RoutingProblem, reach_margin: float, separation_margin_m: float) -> Tables:
-    """Build the search's tables.
-
-    Ranges are shortened by the factor 1 - `reach_margin` and d_min enlarged by
-    `separation_margin_m` on the search's own coarse grid; the exact values are kept beside them.
-    """
+def make_tables(problem: RoutingProblem) -> Tables:
+    """Build the search's tables; `reach` and `t_max` are its own, to be tightened as it learns."""
     points = np.concatenate([problem.waypoints_m, problem.starts_m])
     difference = points[:, None, :] - points[None, :, :]
     dist = np.round(np.sqrt((difference**2).sum(axis=-1)), DECIMALS)
@@ -36,7 +32,8 @@ def make_tables(problem: RoutingProblem, reach_margin: float, separation_margin_
     latest = problem.latest_arrival_s
     slots, slot_s = _grid(problem)
     speed = np.array([max(k.speed_mps, k.climb_mps, k.descent_mps) for k in problem.limits]) * 1.5
-    d_min = problem.d_min_m + (separation_margin_m if problem.d_min_m > 0 else 0.0)
+    d_min = problem.d_min_m + ROUNDING_M
+    reach = problem.pair_reach_m - ROUNDING_M
     return Tables(
         dist=dist,
         leg=np.round(leg, DECIMALS),
@@ -44,13 +41,12 @@ def make_tables(problem: RoutingProblem, reach_margin: float, separation_margin_
         xyz=points,
         near=_nearest(dist[: problem.waypoint_count, : problem.waypoint_count]),
         t_max=latest - ROUNDING_S,
-        reach=problem.pair_reach_m * (1.0 - reach_margin),
+        reach=reach,
         near_sq=(d_min + (speed[:, None] + speed[None, :]) * slot_s) ** 2,
         energy_limit=np.full(problem.uav_count, np.inf),
-        reach_exact=problem.pair_reach_m - ROUNDING_M,
+        reach_exact=reach.copy(),
         k_min=problem.k_min,
         d_min=d_min,
-        d_min_exact=problem.d_min_m + ROUNDING_M,
         slot_s=slot_s,
         slots=slots,
         fine_slots=10 * problem.slot_count,

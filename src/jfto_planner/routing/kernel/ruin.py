@@ -52,7 +52,7 @@ def ruin(tables: Tables, cur: State, cand: State, work: Work, rng: Seed) -> int:
     centre = below(rng, waypoints)
     removed, i = 0, -1
     while strings > 0 and i < tables.near.shape[1]:
-        there = centre
+        there: int = centre
         if i >= 0:
             there = int(tables.near[centre, i])
         i += 1

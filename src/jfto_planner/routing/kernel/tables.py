@@ -23,8 +23,8 @@ class Tables(NamedTuple):
     `near` (W, k) lists the nearest waypoints of each. `slot_s` is the step of the search's own
     time grid, which has `slots` steps from lift-off to the latest permitted arrival; `fine_slots`
     is 10 N, `hold_s` the given horizon or 0 for the makespan. `reach_exact` (A, A) is the shorter
-    of both ranges; `reach` and `d_min` include the search's margins. `near_sq` (A, A) is the
-    squared distance beyond which a pair cannot meet before the next grid instant. `energy_limit`
+    of both ranges, `reach` what the grid goes by, perhaps less. `near_sq` (A, A) is the squared
+    distance beyond which a pair cannot meet before the next grid instant. `energy_limit`
     (A,) is in the unit of the energy proxy (energy.py), inf while the proxy is off. `exponential`
     is a quantile table.
     """
@@ -41,7 +41,6 @@ class Tables(NamedTuple):
     reach_exact: Floats
     k_min: int
     d_min: float
-    d_min_exact: float
     slot_s: float
     slots: int
     fine_slots: int
