@@ -30,7 +30,7 @@ from jfto_mavlink.link.transport import Peer
 from jfto_mavlink.roster import Roster
 from jfto_mavlink.streams import DEFAULT_RATES
 from jfto_mavlink.vehicle import Vehicle
-from jfto_mavlink.watch import Event
+from jfto_mavlink.watch import LOST_AFTER_S, Event
 
 # Longest sleep between two looks at clocks, in wall seconds.
 LOOP_S = 0.05
@@ -83,6 +83,8 @@ class Bridge:
             rates=rates,
             log=self._write_log if self._logs else None,
             on_event=on_event,
+            # A busy computer stalls a sped-up simulation for seconds of its own time.
+            lost_after_s=LOST_AFTER_S * max(1.0, self.clock.speedup / 4),
         )
         self._thread = threading.Thread(target=self._loop, name="mavlink bridge", daemon=True)
 

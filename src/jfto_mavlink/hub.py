@@ -21,7 +21,7 @@ from jfto_mavlink.link.transport import Peer
 from jfto_mavlink.roster import Roster, RosterEntry
 from jfto_mavlink.streams import DEFAULT_RATES, greet, missing_streams
 from jfto_mavlink.vehicle import Vehicle, uid_text
-from jfto_mavlink.watch import Event, Watch
+from jfto_mavlink.watch import LOST_AFTER_S, Event, Watch
 
 HEARTBEAT_EVERY_S = 1.0
 TIMESYNC_EVERY_S = 1.0
@@ -64,7 +64,9 @@ class Hub:
         rates: Mapping[int, float] = DEFAULT_RATES,
         log: Callable[[str, bytes], None] | None = None,
         on_event: Callable[[Event], None] | None = None,
+        lost_after_s: float = LOST_AFTER_S,
     ) -> None:
+        self._lost_after_s = lost_after_s
         self.roster = roster
         self.station = station or Station()
         self.foreign: Counter[tuple[str, int]] = Counter()
@@ -88,7 +90,7 @@ class Hub:
             round_trip=vehicle.time_sync.round_trip,
         )
         identity = Identity(entry.uav, entry.sysid, entry.uid)
-        return Track(entry, vehicle, identity, context, Watch(vehicle))
+        return Track(entry, vehicle, identity, context, Watch(vehicle, self._lost_after_s))
 
     def vehicle(self, uav: str) -> Vehicle:
         """State of a vehicle; raises RosterError for a name that is not in the roster."""

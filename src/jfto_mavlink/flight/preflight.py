@@ -86,13 +86,16 @@ def gate(
     """
     until_s = context.clock() + settings.wait_s
     ask_s = context.clock()
+    told: tuple[str, ...] = ()
     while found := problems(context.vehicle, context.clock(), home_deg, settings):
         now_s = context.clock()
         if now_s >= until_s:
             return tuple(f"{context.uav}: {problem}" for problem in found)
         if now_s >= ask_s:
             ask_s = now_s + CHECKS_EVERY_S
-            yield Report(f"not ready: {'; '.join(found)}")
+            if found != told:
+                yield Report(f"not ready: {'; '.join(found)}")
+            told = found
             yield from _ask_for_checks(context)
         yield Wait(min(until_s, ask_s))
     try:
