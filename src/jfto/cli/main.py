@@ -22,6 +22,8 @@ COMMANDS = {
     "check": "Verify a plan with code that planning does not use.",
     "evaluate": "Compare C-TOP with MTP, A-LMST and CPAPO on a plan.",
     "report": "Rebuild the figures and the report of a run.",
+    "mission": "Missions for ArduPilot: files, upload, verification.",
+    "fly": "Fly a plan with real or simulated vehicles.",
     "doctor": "What is installed, what is missing, what to do.",
 }
 

@@ -1,0 +1,103 @@
+"""jfto fly."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from jfto.cli.mission_options import (
+    PATH,
+    build,
+    build_options,
+    key_option,
+    roster_texts,
+    speedup_option,
+    vehicles_option,
+)
+from jfto.cli.options import debug_option
+
+if TYPE_CHECKING:
+    from jfto_mavlink.flight.follow import FlightRecord
+
+WITHIN_M = 2.0
+
+
+@click.command("fly")
+@click.argument("plan", type=PATH)
+@vehicles_option
+@key_option
+@speedup_option
+@click.option("-o", "--out", type=PATH, metavar="DIR", help="Logs. Default: flight-<UTC time>.")
+@click.option(
+    "--stagger", type=click.FloatRange(0.0), default=0.0, metavar="S", help="Time between starts."
+)
+@click.option(
+    "--within", type=float, default=WITHIN_M, show_default=True, metavar="M",
+    help="How close a waypoint must be passed.",
+)  # fmt: skip
+@click.option("--yes", is_flag=True, help="Start real vehicles without asking.")
+@build_options
+@debug_option
+def command(plan: Path, out: Path | None, stagger: float, within: float, yes: bool, debug: bool,  # noqa: ARG001
+            **choices: Any) -> int:  # fmt: skip
+    r"""Fly PLAN from the pads to the landing: upload, verify, check, arm, start, follow.
+
+    Every vehicle must hold its verified mission and pass its checks, or none is armed. Writes a
+    .tlog per vehicle and flight.json. Status 0 if every waypoint was passed within --within.
+
+    \b
+    Example:  jfto fly plan.json --vehicles sim:3 --speedup 10
+    """
+    from jfto.cli.flight_screen import FlightScreen
+    from jfto.fleet_session import open_fleet
+    from jfto.flight_log import flight_object, new_flight_directory
+    from jfto_mavlink.fleet.fly import FlySettings, fly_fleet
+    from jfto_mavlink.fleet.release import deliver_to_fleet
+    from jfto_mavlink.flight.preflight import GateSettings
+
+    missions = build(plan, choices)
+    directory = new_flight_directory(out)
+    pads = {uav: mission.home_deg_m for uav, mission in missions.items()}
+    with FlightScreen() as screen, open_fleet(
+        roster_texts(choices["vehicles"]),
+        pads,
+        speedup=choices["speedup"],
+        log_directory=directory,
+        key_file=choices["key_file"],
+        on_event=screen.event,
+    ) as session:  # fmt: skip
+        sent = {uav: mission.mission for uav, mission in missions.items()}
+        release = deliver_to_fleet(session.runner, sent, screen.report).release()
+        if not session.simulated and not yes:
+            click.confirm(f"Start {len(missions)} vehicles?", abort=True)
+        settings = FlySettings(stagger, GateSettings())
+        records = fly_fleet(
+            session.runner, session.clock, release, missions, settings, screen.report
+        )
+    flight = flight_object(records, screen.events)
+    (directory / "flight.json").write_text(json.dumps(flight, indent=1) + "\n", encoding="utf-8")
+    return _show(records, within, directory)
+
+
+def _show(records: dict[str, FlightRecord], within_m: float, directory: Path) -> int:
+    """One line per vehicle; the status is 1 if a waypoint was missed."""
+    status = 0
+    for uav, record in records.items():
+        missed = record.missed(within_m)
+        worst_m = max((p.closest_m for p in record.passages), default=0.0)
+        late = [p.late_s for p in record.passages if p.late_s is not None]
+        worst_s = max(late, key=abs, default=0.0)
+        mark = "✗" if missed or record.ended != "landed" else "✓"
+        click.echo(
+            f"{mark} {uav:<8} {len(record.passages) - len(missed)} of {len(record.passages)} "
+            f"waypoints within {within_m:g} m, worst {worst_m:.1f} m, {worst_s:+.1f} s, "
+            f"{record.ended} after {record.duration_s:.0f} s"
+        )
+        if missed:
+            click.echo(f"    missed: {', '.join(map(str, missed))}")
+        status |= int(mark == "✗")
+    click.echo(f"Logs   {directory}")
+    return status

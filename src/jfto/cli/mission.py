@@ -1,0 +1,218 @@
+"""jfto mission: missions as files, and on vehicles."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from jfto.cli.mission_options import (
+    PATH,
+    build,
+    build_options,
+    key_option,
+    roster_texts,
+    speedup_option,
+    vehicles_option,
+)
+from jfto.cli.options import debug_option
+
+if TYPE_CHECKING:
+    from jfto_mavlink.mission.item import Mission
+
+FORMATS = {"plan": ".plan", "waypoints": ".waypoints"}
+
+
+@click.group("mission")
+def command() -> None:
+    """Missions for ArduPilot: as files for other ground stations, and on vehicles.
+
+    PLAN is a plan of `jfto plan`. Everything sent to a vehicle is read back and compared.
+    """
+
+
+@command.command("export")
+@click.argument("plan", type=PATH)
+@click.option("-o", "--out", type=PATH, metavar="DIR", default=Path("missions"), show_default=True)
+@click.option("--format", "form", type=click.Choice(list(FORMATS)), default="plan")
+@build_options
+@debug_option
+def export(plan: Path, out: Path, form: str, debug: bool, **choices: Any) -> int:  # noqa: ARG001
+    """Write one mission file per UAV of PLAN for QGroundControl and Mission Planner."""
+    from jfto_mavlink.files.mission_file import write_mission
+
+    missions = build(plan, choices)
+    out.mkdir(parents=True, exist_ok=True)
+    for uav, mission in missions.items():
+        for path in write_mission(out / f"{uav}{FORMATS[form]}", mission.mission):
+            click.echo(f"{path}   {len(mission.mission.items)} items   {mission.digest[:12]}")
+    return 0
+
+
+@command.command("import")
+@click.argument("source", type=PATH)
+@click.argument("target", type=PATH, required=False)
+@debug_option
+def import_(source: Path, target: Path | None, debug: bool) -> int:  # noqa: ARG001
+    """Read a .plan or .waypoints file, check it, and write it to TARGET in its format."""
+    from jfto_mavlink.files.mission_file import read_mission, write_mission
+    from jfto_mavlink.mission.limits import MissionLimits, check_limits
+    from jfto_mavlink.mission.stored import mission_hash
+
+    mission = read_mission(source)
+    check_limits(str(source), mission.items, MissionLimits())
+    click.echo(
+        f"{source}: {len(mission.items)} items, {len(mission.fence)} fence, "
+        f"{len(mission.rally)} rally points   {mission_hash(mission)[:12]}"
+    )
+    if target is not None:
+        for path in write_mission(target, mission):
+            click.echo(f"{path} written")
+    return 0
+
+
+@command.command("diff")
+@click.argument("old", type=PATH)
+@click.argument("new", type=PATH)
+@debug_option
+def diff(old: Path, new: Path, debug: bool) -> int:  # noqa: ARG001
+    """What changes from mission file OLD to NEW, as the autopilot would store it.
+
+    Status 0 if both fly the same, 1 if not.
+    """
+    from jfto_mavlink.files.mission_file import read_mission
+    from jfto_mavlink.mission.diff import diff_missions
+
+    lines = diff_missions(read_mission(old), read_mission(new))
+    for line in lines:
+        click.echo(line)
+    click.echo("the same" if not lines else f"{len(lines)} lines differ")
+    return 1 if lines else 0
+
+
+@command.command("upload")
+@click.argument("plan", type=PATH)
+@vehicles_option
+@key_option
+@speedup_option
+@build_options
+@debug_option
+def upload(plan: Path, debug: bool, **choices: Any) -> int:  # noqa: ARG001
+    """Upload PLAN's missions to all vehicles, read back, compare; all are released or none."""
+    from jfto.cli.flight_screen import FlightScreen
+    from jfto_mavlink.fleet.release import deliver_to_fleet
+
+    missions = build(plan, choices)
+    with _session(choices, missions) as session, FlightScreen() as screen:
+        sent = {uav: mission.mission for uav, mission in missions.items()}
+        outcome = deliver_to_fleet(session.runner, sent, screen.report)
+    for uav, delivered in outcome.delivered.items():
+        click.echo(f"✓ {uav}  verified  {delivered.duration_s:5.1f} s  {delivered.digest[:12]}")
+    for uav, error in outcome.failed.items():
+        click.echo(f"✗ {uav}  {error}", err=True)
+    outcome.release()
+    click.echo(f"✓ fleet released: {len(outcome.delivered)} vehicles hold their missions")
+    return 0
+
+
+@command.command("verify")
+@click.argument("plan", type=PATH)
+@vehicles_option
+@key_option
+@build_options
+@debug_option
+def verify_command(plan: Path, debug: bool, **choices: Any) -> int:  # noqa: ARG001
+    """Compare what the vehicles hold with PLAN's missions, item by item. Status 1 if different."""
+    from jfto.cli.flight_screen import FlightScreen
+    from jfto_mavlink.mission.deliver import verify
+
+    missions = build(plan, choices)
+
+    def job(mission: Mission) -> Any:
+        return lambda context: verify(context, mission)
+
+    with _session(choices, missions) as session, FlightScreen() as screen:
+        jobs = {uav: job(mission.mission) for uav, mission in missions.items()}
+        results = session.runner.run(jobs, screen.report)
+    return _show_differences(results)
+
+
+@command.command("clear")
+@vehicles_option
+@key_option
+@click.option("--yes", is_flag=True, help="Do not ask.")
+@debug_option
+def clear_command(debug: bool, yes: bool, **choices: Any) -> int:  # noqa: ARG001
+    """Remove mission, fence and rally points from vehicles."""
+    from jfto.cli.flight_screen import FlightScreen
+    from jfto_mavlink.exchange import Context, Exchange
+    from jfto_mavlink.mission.deliver import clear
+    from jfto_mavlink.mission.item import FENCE, MISSION, RALLY
+
+    if not yes:
+        click.confirm("Clear the missions of all these vehicles?", abort=True)
+
+    def job(context: Context) -> Exchange[tuple[str, ...]]:
+        for mission_type in (MISSION, FENCE, RALLY):
+            yield from clear(context, mission_type)
+        return ()
+
+    with _session(choices, {}) as session, FlightScreen() as screen:
+        results = session.runner.run(dict.fromkeys(session.runner.roster.uavs, job), screen.report)
+    return _show_differences(results)
+
+
+@command.command("sign")
+@vehicles_option
+@click.option("--key", "key_file", type=PATH, metavar="FILE", required=True)
+@click.option("--create", is_flag=True, help="Make the key file first.")
+@debug_option
+def sign(key_file: Path, create: bool, debug: bool, **choices: Any) -> int:  # noqa: ARG001
+    """Give vehicles the signing key in FILE, over a cable: the key travels in the clear."""
+    from jfto.cli.flight_screen import FlightScreen
+    from jfto.fleet_session import load_signer
+    from jfto_mavlink.exchange import Context, Exchange
+    from jfto_mavlink.link.key_file import create_key
+    from jfto_mavlink.signing_setup import setup_signing
+
+    if create:
+        create_key(key_file)
+        click.echo(f"{key_file} written, mode 0600")
+    signer = load_signer(key_file)
+
+    def job(context: Context) -> Exchange[tuple[str, ...]]:
+        yield from setup_signing(context, signer)
+        return ()
+
+    with _session(choices | {"key_file": None}, {}) as session, FlightScreen() as screen:
+        results = session.runner.run(dict.fromkeys(session.runner.roster.uavs, job), screen.report)
+    return _show_differences(results)
+
+
+def _session(choices: dict[str, Any], missions: dict[str, Any]) -> Any:
+    from jfto.fleet_session import open_fleet
+
+    return open_fleet(
+        roster_texts(choices["vehicles"]),
+        {uav: mission.home_deg_m for uav, mission in missions.items()},
+        speedup=choices.get("speedup", 1.0),
+        key_file=choices["key_file"],
+    )
+
+
+def _show_differences(results: dict[str, Any]) -> int:
+    """One line per vehicle; the status is 1 if any differs or failed."""
+    status = 0
+    for uav, result in results.items():
+        if isinstance(result, Exception):
+            click.echo(f"✗ {uav}  {result}", err=True)
+            status = 1
+        elif result:
+            click.echo(f"✗ {uav}  {len(result)} differences")
+            for text in result:
+                click.echo(f"    {text}")
+            status = 1
+        else:
+            click.echo(f"✓ {uav}")
+    return status

@@ -1,0 +1,96 @@
+"""Options that `jfto mission` and `jfto fly` share, and what they read with them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from jfto_mavlink.mission.build import VehicleMission
+
+Function = Callable[..., Any]
+PATH = click.Path(path_type=Path)
+
+vehicles_option = click.option(
+    "--vehicles",
+    metavar="ROSTER",
+    multiple=True,
+    required=True,
+    help="sim:N, or UAV=SYSID@LINK[#UID] per vehicle: uav1=1@udpin:0.0.0.0:14550. May be repeated "
+    "or separated by commas. Links: udpin:, udpout:, tcp:, serial:.",
+)
+key_option = click.option(
+    "--key", "key_file", type=PATH, metavar="FILE", help="MAVLink signing key, mode 0600."
+)
+speedup_option = click.option(
+    "--speedup",
+    type=click.FloatRange(0.1, 50.0),
+    default=1.0,
+    show_default=True,
+    help="Simulated vehicles only: how much faster than the clock.",
+)
+
+
+def build_options(function: Function) -> Function:
+    """Choices of how a plan becomes missions."""
+    for option in reversed(
+        (
+            click.option(
+                "--style",
+                type=click.Choice(["fly_through", "hold"]),
+                default="fly_through",
+                show_default=True,
+                help="hold stops 1 s at each waypoint: sharper photos, about 6 s longer each.",
+            ),
+            click.option("--takeoff-height", type=float, default=10.0, show_default=True),
+            click.option(
+                "--return-height",
+                type=float,
+                metavar="M",
+                help="Climb to this height above home before returning, if lower.",
+            ),
+            click.option(
+                "--height-min",
+                type=float,
+                default=0.0,
+                show_default=True,
+                metavar="M",
+                help="Least height above home. Below 0 only if the pads stand above the slope.",
+            ),
+            click.option("--height-max", type=float, default=500.0, show_default=True, metavar="M"),
+            click.option(
+                "--distance-max", type=float, default=5000.0, show_default=True, metavar="M"
+            ),
+        )
+    ):
+        function = option(function)
+    return function
+
+
+def build(plan_path: Path, choices: Mapping[str, Any]) -> dict[str, VehicleMission]:
+    """Missions of a plan file, by UAV, from the values of `build_options`."""
+    from jfto_mavlink.mission.build import build_missions
+    from jfto_mavlink.mission.limits import MissionLimits
+    from jfto_mavlink.mission.settings import MissionSettings
+    from jfto_msgs_py.plan_file import read_plan
+
+    limits = MissionLimits(
+        height_min_m=choices["height_min"],
+        height_max_m=choices["height_max"],
+        distance_max_m=choices["distance_max"],
+    )
+    settings = MissionSettings(
+        style=choices["style"],
+        takeoff_height_m=choices["takeoff_height"],
+        return_height_m=choices["return_height"],
+        limits=limits,
+    )
+    return {mission.uav: mission for mission in build_missions(read_plan(plan_path), settings)}
+
+
+def roster_texts(vehicles: tuple[str, ...]) -> list[str]:
+    """Roster entries of a command line, one by one."""
+    return [text for entry in vehicles for text in entry.split(",") if text]

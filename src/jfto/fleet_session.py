@@ -1,0 +1,126 @@
+"""The fleet that a command line names: real vehicles by a roster, or simulated ones."""
+
+from __future__ import annotations
+
+import socket
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from jfto_mavlink.bridge import Bridge
+from jfto_mavlink.clock import Clock, ScaledClock
+from jfto_mavlink.errors import RosterError
+from jfto_mavlink.fleet.release import Runner
+from jfto_mavlink.link.address import parse_address
+from jfto_mavlink.link.key_file import StampFile, read_key
+from jfto_mavlink.link.signing import Signer
+from jfto_mavlink.roster import Roster, RosterEntry, parse_roster
+from jfto_mavlink.watch import Event
+from jfto_sim import VehicleConfig
+from jfto_sim.server import ServerSettings, SimServer
+
+Place = tuple[float, float, float]
+HEARD_WAIT_S = 30.0
+SIMULATED = "sim:"
+
+
+@dataclass(frozen=True)
+class FleetSession:
+    """An open fleet: what runs its conversations, its clock, and whether it is simulated."""
+
+    runner: Runner
+    clock: Clock
+    simulated: bool
+
+
+@contextmanager
+def open_fleet(
+    vehicles: Sequence[str],
+    pads: Mapping[str, Place],
+    *,
+    speedup: float = 1.0,
+    log_directory: Path | None = None,
+    key_file: Path | None = None,
+    on_event: Callable[[Event], None] | None = None,
+) -> Iterator[FleetSession]:
+    """Open a fleet and wait until all of it is heard.
+
+    `vehicles` is ("sim:N",), whose vehicles stand on `pads` (UAV name: latitude, longitude, height
+    above sea level) and run `speedup` times faster than the clock, or roster entries such as
+    uav1=1@udpin:0.0.0.0:14550. Raises RosterError, LinkError, SigningError.
+    """
+    if len(vehicles) == 1 and vehicles[0].startswith(SIMULATED):
+        if key_file is not None:
+            raise RosterError(201, "simulated vehicles start without a key; leave --key out.")
+        with _simulated(vehicles[0], pads, speedup, log_directory, on_event) as session:
+            yield session
+        return
+    if speedup != 1.0:
+        raise RosterError(201, "--speedup is for simulated vehicles (sim:N); real ones keep time.")
+    roster = parse_roster(vehicles)
+    missing = set(pads) ^ set(roster.uavs)
+    if pads and missing:
+        raise RosterError(
+            205, f"{', '.join(sorted(missing))}: in the plan or in the roster, not in both."
+        )
+    signer = None if key_file is None else load_signer(key_file)
+    with Bridge(roster, signer=signer, log_directory=log_directory, on_event=on_event) as bridge:
+        bridge.wait_heard(HEARD_WAIT_S)
+        yield FleetSession(bridge, bridge.clock, simulated=False)
+
+
+def load_signer(key_file: Path) -> Signer:
+    """The signer of a key file, whose time stamps never go back over restarts."""
+    stamps = StampFile(key_file)
+    return Signer(read_key(key_file), time.time, stamps.load(), stamps.save)
+
+
+@contextmanager
+def _simulated(
+    text: str,
+    pads: Mapping[str, Place],
+    speedup: float,
+    log_directory: Path | None,
+    on_event: Callable[[Event], None] | None,
+) -> Iterator[FleetSession]:
+    count = text.removeprefix(SIMULATED)
+    if count != str(len(pads)):
+        raise RosterError(
+            201, f"{text}: the plan has {len(pads)} UAVs, so it must be sim:{len(pads)}."
+        )
+    start_unix_s = time.time()
+    link = parse_address(f"udpin:127.0.0.1:{_free_port()}")
+    configs = [
+        VehicleConfig(
+            sysid=n,
+            home_lat_deg=pad[0],
+            home_lon_deg=pad[1],
+            home_alt_m=pad[2],
+            utc_at_boot_us=int(start_unix_s * 1e6),
+        )
+        for n, pad in enumerate(pads.values(), 1)
+    ]
+    endpoint = (f"udpto:{link.host}:{link.number}",)
+    settings = ServerSettings((endpoint,) * len(configs), speedup)
+    roster = Roster(tuple(RosterEntry(uav, n, link) for n, uav in enumerate(pads, 1)))
+    clock = ScaledClock(speedup)
+    with (
+        SimServer(configs, settings),
+        Bridge(
+            roster,
+            clock=clock,
+            unix=lambda: start_unix_s + clock(),
+            log_directory=log_directory,
+            on_event=on_event,
+        ) as bridge,
+    ):
+        bridge.wait_heard(HEARD_WAIT_S * max(speedup, 1.0))
+        yield FleetSession(bridge, clock, simulated=True)
+
+
+def _free_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
