@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from jfto.comparison import Comparison
@@ -13,10 +13,9 @@ from jfto.run_directory import SCENARIO_NAME
 from jfto.scenario_file import LoadedScenario, load_scenario
 from jfto.stages.compare import compare
 from jfto.stages.drawing import draw_figures
-from jfto.stages.routes import certify_plan, plan_routes
+from jfto.stages.routes import plan_routes, read_and_certify
 from jfto.stages.survey import load_ground, survey
 from jfto_msgs_py.plan import Plan
-from jfto_msgs_py.plan_file import read_plan
 from jfto_msgs_py.scenario.mission import EvaluationPart
 from jfto_msgs_py.write_file import write_file
 from jfto_world.terrain import Dem
@@ -52,8 +51,7 @@ def evaluate_scenario(loaded: LoadedScenario, watcher: Watcher) -> Evaluated:
 
 def evaluate_plan_file(path: Path, watcher: Watcher) -> Evaluated:
     """Check and compare a plan file, with the scenario of its run directory if there is one."""
-    plan = read_plan(path)
-    plan = replace(plan, certificate=certify_plan(plan))
+    plan = read_and_certify(path)
     beside = path.parent / SCENARIO_NAME
     dem, evaluation = None, EvaluationPart()
     if beside.exists():

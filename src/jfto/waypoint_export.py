@@ -34,7 +34,7 @@ def write_waypoints(found: Survey, path: Path) -> None:
     if path.suffix.lower() == ".csv":
         table = io.StringIO()
         writer = csv.writer(table, lineterminator="\n")
-        writer.writerow(["id", "lat", "lon", "alt_m", "yaw_deg", "pitch_deg"])
+        writer.writerow(["id", "lat", "lon", "alt", "yaw_deg", "pitch_deg"])
         for waypoint, north, east, up in rows:
             view = (f"{waypoint.yaw_deg:.3f}", f"{waypoint.pitch_deg:.3f}")
             writer.writerow([waypoint.id, north, east, up, *view])

@@ -23,18 +23,15 @@ def command(
     Every slot and ten instants between slots: visits, separation, neighbours, connectivity,
     durations, lengths, energy. Status 0 if all holds, 3 if not.
     """
-    from dataclasses import replace
-
     from jfto.cli.failure import EXIT_INFEASIBLE
     from jfto.cli.summary import plan_facts, print_json
-    from jfto.stages.routes import certify_plan
-    from jfto_msgs_py.plan_file import read_plan
+    from jfto.stages.routes import read_and_certify
 
-    read = read_plan(plan)
-    certificate = certify_plan(read)
-    checked = replace(read, certificate=certificate)
+    read = read_and_certify(plan)
+    certificate = read.certificate
+    assert certificate is not None
     if as_json:
-        print_json(plan_facts(checked, str(plan)))
+        print_json(plan_facts(read, str(plan)))
         return 0 if certificate.clean else EXIT_INFEASIBLE
     longest = max((route.arrival_s[-1] for route in read.routes if route.arrival_s), default=0.0)
     click.echo(f"{plan}: {len(read.uavs)} UAVs, {len(read.waypoints)} waypoints")

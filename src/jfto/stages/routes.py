@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +13,9 @@ from jfto.progress import Watcher
 from jfto.stages.network import energy_floor_of
 from jfto.stages.survey import Survey
 from jfto_msgs_py.certificate import Certificate
-from jfto_msgs_py.errors import PlanError
+from jfto_msgs_py.errors import InputError, PlanError
 from jfto_msgs_py.plan import Plan, Uav, Vector
-from jfto_msgs_py.plan_file import rounded
+from jfto_msgs_py.plan_file import read_plan, rounded
 from jfto_msgs_py.scenario import Scenario
 from jfto_msgs_py.units import dbm_to_w
 from jfto_planner.routing import (
@@ -97,6 +98,15 @@ def certify_plan(plan: Plan) -> Certificate:
         plan.radio, tuple(uav.p_max_dbm for uav in plan.uavs), plan.k_min, plan.delta
     )
     return certify(plan, energy_floor=floor)
+
+
+def read_and_certify(path: Path) -> Plan:
+    """Plan of a file with a certificate made anew; raises PlanError that names the file."""
+    plan = read_plan(path)
+    try:
+        return replace(plan, certificate=certify_plan(plan))
+    except InputError as error:
+        raise PlanError(f"{path}: {error}") from None
 
 
 def is_clean(plan: Plan) -> bool:

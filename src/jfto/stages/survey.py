@@ -9,6 +9,7 @@ import numpy as np
 
 from jfto.progress import Watcher
 from jfto.scenario_file import LoadedScenario
+from jfto_msgs_py.errors import TerrainError, WaypointError
 from jfto_msgs_py.plan import Waypoint
 from jfto_msgs_py.scenario.camera import CameraPart, CoveragePart
 from jfto_planner.coverage import (
@@ -40,12 +41,15 @@ def load_ground(loaded: LoadedScenario) -> Dem:
     if source != BUILT_IN_DEM:
         source = loaded.resolve(terrain.source)
     center = (terrain.center_deg[0], terrain.center_deg[1]) if terrain.center_deg else None
-    return load_dem(
-        source,
-        center=center,
-        size_m=(terrain.size_m[0], terrain.size_m[1]),
-        zero_is_void=terrain.zero_is_void,
-    )
+    try:
+        return load_dem(
+            source,
+            center=center,
+            size_m=(terrain.size_m[0], terrain.size_m[1]),
+            zero_is_void=terrain.zero_is_void,
+        )
+    except TerrainError as error:
+        raise TerrainError(f"{loaded.path}: terrain: {error}") from None
 
 
 def survey(loaded: LoadedScenario, watcher: Watcher) -> Survey:
@@ -65,7 +69,10 @@ def survey(loaded: LoadedScenario, watcher: Watcher) -> Survey:
         watcher.end("coverage", f"{len(found.waypoints)} waypoints", _proof(coverage))
         return found
     if wanted.source == "file":
-        waypoints = read_waypoints(loaded.resolve(wanted.file), dem)
+        try:
+            waypoints = read_waypoints(loaded.resolve(wanted.file), dem)
+        except WaypointError as error:
+            raise WaypointError(f"{loaded.path}: waypoints.file: {error}") from None
         origin = f"read from {wanted.file}"
     else:
         rng = np.random.default_rng(wanted.seed)

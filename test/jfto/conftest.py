@@ -1,0 +1,27 @@
+"""A tiny scene, planned once for all tests of the front."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from jfto.pipeline import Run, run_all
+from jfto.progress import SilentWatcher
+from jfto.run_directory import make_run_directory
+from jfto.scenario_file import load_scenario
+
+TINY = Path(__file__).parents[1] / "data" / "scenario" / "tiny.yaml"
+
+
+@pytest.fixture(scope="session")
+def tiny() -> Path:
+    """Scenario file that is planned in a second."""
+    return TINY
+
+
+@pytest.fixture(scope="session")
+def tiny_run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Run]:
+    """Directory and outcome of a full run of the tiny scene."""
+    directory = make_run_directory(tmp_path_factory.mktemp("run") / "tiny")
+    return directory, run_all(load_scenario(TINY), directory, SilentWatcher())
