@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from pathlib import Path
 
@@ -20,7 +21,9 @@ def write_file(path: Path, content: str | bytes) -> None:
         temporary.write_bytes(data)
         temporary.replace(path)
     except OSError as cause:
-        temporary.unlink(missing_ok=True)
+        # Where even the half-written file cannot be removed, the first error is the one to tell.
+        with contextlib.suppress(OSError):
+            temporary.unlink()
         raise InputError(
             f"{path}: cannot be written: {cause.strerror}. Name another place with --out."
         ) from None

@@ -13,7 +13,7 @@ class FleetPart:
 
     count: int = param(8, "Number of UAVs, A.", low=1, high=1000)
     ids: tuple[str, ...] = param(
-        (), "Names, also the ROS namespaces. Left out: uav1, uav2, …", per_uav=True
+        (), "Names, also the ROS namespaces. Left out: uav1, uav2 and so on.", per_uav=True
     )
     p_max_dbm: tuple[float, ...] = param(
         (30.0,), "Greatest transmit power, P_a,max.", unit="dBm", low=0.0, high=40.0, per_uav=True

@@ -1,0 +1,120 @@
+"""Plans on disk."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from jfto_msgs_py.certificate import Certificate, Violation
+from jfto_msgs_py.errors import InputError, PlanError
+from jfto_msgs_py.plan import Origin, Plan, Route, Slots, Uav, Waypoint
+from jfto_msgs_py.plan_file import plan_text, read_plan, rounded, write_plan
+from jfto_msgs_py.plan_reader import plan_of_text
+from jfto_msgs_py.radio import Radio
+
+
+def _plan(scale: float = 1.0) -> Plan:
+    uavs = tuple(
+        Uav(f"uav{n}", 27.0 + n, 150.0, 400.0, 10.0, 4.0, 3.0, (20.0 * n, 0.0, 1.5)) for n in (1, 2)
+    )
+    waypoints = tuple(Waypoint(n, (n * scale, -n * scale, 7.0 / 3.0), 10.0 * n) for n in range(3))
+    violation = Violation("neighbours", "uav1", 3.5, None, 1.0, 2.0, "uav1 has 1 neighbour.")
+    certificate = Certificate(False, 6, 1, 1, math.inf, "uav1", 3.5, 20.0, (1.0, 2.0), (violation,))
+    return Plan(
+        scenario_hash="ab" * 32,
+        seed=3,
+        origin=Origin(36.629200001, -84.2625, 673.7),
+        radio=Radio(),
+        k_min=1,
+        delta=2,
+        d_min_m=10.0,
+        length_max_m=1e4,
+        slots=Slots(2, 7.0 / 3.0),
+        waypoints=waypoints,
+        uavs=uavs,
+        routes=(Route((2, 0), (1.0, 2.5), 30.0), Route((1,), (4.0,), 12.0)),
+        positions_m=np.arange(18, dtype=float).reshape(2, 3, 3) * scale / 7.0,
+        certificate=certificate,
+    )
+
+
+def test_a_plan_comes_back_from_its_file(tmp_path: Path) -> None:
+    """Reading what was written gives the rounded plan, and writing that the same bytes."""
+    plan = rounded(_plan())
+    path = tmp_path / "plan.json"
+    write_plan(plan, path)
+    back = read_plan(path)
+    assert plan_text(back) == plan_text(plan) == path.read_text()
+    assert back.routes == plan.routes
+    assert back.uavs == plan.uavs
+    np.testing.assert_array_equal(back.positions_m, plan.positions_m)
+    assert [entry.name for entry in tmp_path.iterdir()] == ["plan.json"]
+
+
+def test_the_file_has_the_agreed_keys() -> None:
+    """Other programs find every agreed key, and plain JSON numbers only."""
+    found = json.loads(plan_text(_plan()))
+    assert found["format"] == "jfto-plan"
+    assert found["version"] == 1
+    assert set(found["origin"]) == {"lat", "lon", "alt_m"}
+    assert set(found["slots"]) == {"count", "duration_s"}
+    assert set(found["waypoints"][0]) == {"id", "position_m", "yaw_deg", "pitch_deg"}
+    assert set(found["uavs"][0]) >= {
+        *("id", "p_max_dbm", "energy_j", "t_max_s", "speed_mps"),
+        *("start_m", "route", "arrival_s", "length_m"),
+    }
+    assert np.shape(found["positions_m"]) == (2, 3, 3)
+    assert found["certificate"]["worst_margin_db"] is None
+
+
+@settings(deadline=None, max_examples=60, derandomize=True)
+@given(st.floats(-1e6, 1e6))
+def test_rounding_is_done_once(scale: float) -> None:
+    """A rounded plan is its own rounding, and no position moves by more than half a micrometre."""
+    plan = _plan(scale)
+    once = rounded(plan)
+    assert plan_text(rounded(once)) == plan_text(once)
+    assert np.abs(once.positions_m - plan.positions_m).max() <= 5.1e-7
+
+
+def test_minus_zero_is_zero() -> None:
+    """Two plans that differ in the sign of a zero are the same file."""
+    plan = _plan()
+    positions = plan.positions_m.copy()
+    positions[0, 0, 0] = -0.0
+    assert plan_text(replace(plan, positions_m=positions)) == plan_text(plan)
+
+
+@settings(deadline=None, max_examples=200, derandomize=True)
+@given(st.data())
+def test_any_damage_is_a_plan_error(data: st.DataObject) -> None:
+    """A plan with any value replaced by another is read or refused with a PlanError."""
+    plan = json.loads(plan_text(rounded(_plan())))
+    place, key = plan, data.draw(st.sampled_from(sorted(plan)))
+    while isinstance(place[key], dict | list) and place[key] and data.draw(st.booleans()):
+        place = place[key]
+        keys = sorted(place) if isinstance(place, dict) else range(len(place))
+        key = data.draw(st.sampled_from(list(keys)))
+    place[key] = data.draw(
+        st.none() | st.booleans() | st.integers() | st.text(max_size=3) | st.just([]) | st.just({})
+    )
+    said = "damaged.json"
+    try:
+        plan_of_text(json.dumps(plan), Path("damaged.json"))
+    except PlanError as error:
+        said = str(error)
+    assert "damaged.json" in said
+
+
+def test_a_place_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+    """Writing below a file fails with the path and what to do."""
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match=r"file.*--out"):
+        write_plan(_plan(), tmp_path / "file" / "plan.json")
