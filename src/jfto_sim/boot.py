@@ -35,6 +35,8 @@ _TEXTS = (
     (41.250, "EKF3 IMU0 is using GPS"),
     (41.452, "EKF3 IMU1 is using GPS"),
 )
+# texts that are said once per power-up, and when
+TEXT_TIMES_S = {text: time_s for time_s, text in _TEXTS}
 _GYRO = tuple(
     f"INS_{n}"
     for n in (
@@ -51,7 +53,7 @@ _PARAMETERS: tuple[tuple[float, tuple[str, ...], bool, bool], ...] = (
     (0.152, ("MNT1_TYPE", "CAM1_TYPE", "BARO_ALT_OFFSET"), True, False),
     (1.752, ("BARO1_GND_PRESS", "BARO2_GND_PRESS"), False, False),
     (1.753, ("INS_GYR_ID", "INS_ACC_ID", "INS_GYR2_ID", "INS_ACC2_ID"), True, False),
-    (2.280, _GYRO, True, False),
+    (2.280, _GYRO, False, False),
     (3.277, ("EK3_SRC1_POSXY",), True, False),
     (19.876, ("BARO1_GND_PRESS", "BARO2_GND_PRESS"), False, False),
 )

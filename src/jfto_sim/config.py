@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from jfto_msgs_py.errors import InputError
@@ -14,6 +15,8 @@ RECORDED_UTC_AT_BOOT_US = 1_795_312_779_996_533
 @dataclass(frozen=True)
 class VehicleConfig:
     """One vehicle. Home is where it stands at power-up; the ground is flat at that height.
+
+    `ground`, where given, is the height of the ground above home at metres east and north of it.
 
     `parameters` replaces defaults at power-up. `uid2` (18 bytes) is the AUTOPILOT_VERSION uid; the
     default differs per system id, so that two vehicles can be told apart. `wind_mps` (east, north)
@@ -35,6 +38,7 @@ class VehicleConfig:
     gps_noise_m: float = 0.0
     clock_drift_ppm: float = 0.0
     utc_at_boot_us: int = RECORDED_UTC_AT_BOOT_US
+    ground: Callable[[float, float], float] | None = None
     airframe: Airframe = field(default_factory=Airframe)
 
     def __post_init__(self) -> None:

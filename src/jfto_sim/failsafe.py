@@ -76,8 +76,9 @@ class Failsafes:
         v = self.vehicle
         if v.body.landed:
             v.arming.release()
-        elif not v.set_mode(mode):
+        elif mode == Mode.LAND or not v.set_mode(mode):
             v.set_mode(Mode.LAND)
+            v.land.wait()
 
     def _watch_battery(self) -> None:
         v = self.vehicle
@@ -124,7 +125,7 @@ class Failsafes:
         if v.mode.number in NEEDS_POSITION and not v.body.landed:
             self._ekf_acted = True
             v.text(CRITICAL, "EKF Failsafe: changed to LAND Mode")
-            v.set_mode(Mode.LAND)
+            self._go(Mode.LAND)
 
     def disarmed(self) -> None:
         """The primary EKF lane goes back to the first at disarming."""

@@ -60,7 +60,7 @@ class Flight:
         """As after power-up: on the ground where it stands, heading as it was set down."""
         before = getattr(self, "body", None)
         heading = self.config.heading_deg if before is None else before.yaw_deg
-        self.body = Body(self.config.airframe, heading)
+        self.body = Body(self.config.airframe, heading, self.config.ground)
         if before is not None:
             self.body.state[:3] = before.state[:3]
         self.heading = Heading(heading)
@@ -223,23 +223,29 @@ class Flight:
         was_down = body.landed
         self.battery.draw(armed=armed, flying=not was_down, dt_s=dt_s)
         self._stir_noise(dt_s)
+        if armed and not was_down:
+            self._fly(0.5 * dt_s)
         self.mode.step(dt_s)
+        if armed and self.arming.armed and not was_down and not body.landed:
+            self._fly(0.5 * dt_s)
         if not self.arming.armed:
             return
-        target = body.target
+        if body.failed:
+            self.motor_failed_for_s += dt_s
+        if body.landed:
+            self._on_ground()
+        elif was_down:
+            self.land_complete, self.down_since_s = False, None
+            self._yaw_aligned = False
+
+    def _fly(self, dt_s: float) -> None:
+        """Heading and body follow the target of the step before, as the autopilot's loops do."""
+        body, target = self.body, self.body.target
         wanted, rate = self.heading.step(
             (float(target[0, 0]), float(target[0, 1])),
             (float(target[1, 0]), float(target[1, 1])),
             dt_s,
         )
-        if body.failed:
-            self.motor_failed_for_s += dt_s
-        if body.landed:
-            self._on_ground()
-            return
-        if was_down:
-            self.land_complete, self.down_since_s = False, None
-            self._yaw_aligned = False
         body.turn(wanted, rate, dt_s)
         body.fly(self.wind_mps, dt_s)
         self.airborne_s = self.time_s

@@ -37,17 +37,20 @@ class Port:
     heap: list[tuple[float, int]] = field(default_factory=list)
     refused: int = 0
     _codec: Any = None
+    _reader: Any = None
     _check: SigningCheck | None = None
 
     def __post_init__(self) -> None:
         self._codec = mavlink.MAVLink(None, srcSystem=self.sysid, srcComponent=1)
-        self._codec.robust_parsing = True
+        # apart from the writer, whose key would make the library check signatures by itself
+        self._reader = mavlink.MAVLink(None)
+        self._reader.robust_parsing = True
         self._check = SigningCheck(self.key)
 
     def decode(self, data: bytes) -> list[Message]:
         """Valid messages in a chunk of bytes; noise and refused frames are counted, not raised."""
         messages = []
-        for message in self._codec.parse_buffer(data) or []:
+        for message in self._reader.parse_buffer(data) or []:
             if message.get_type() == "BAD_DATA" or not self._allowed(message):
                 self.refused += 1
                 continue

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from jfto_sim.vehicle import Vehicle
 
 _ARMED = 128
-_STANDBY, _ACTIVE, _CRITICAL, _BOOT_ACTIVE_UNTIL_S = 3, 4, 5, 1.5
+_STANDBY, _ACTIVE, _CRITICAL, _BOOT_ACTIVE_UNTIL_S = 3, 4, 5, 2.2
 _NAN = float("nan")
 # sensor bits of SYS_STATUS
 _PRESENT = 0x5371FC0F

@@ -29,7 +29,7 @@ from jfto_sim.modes.base import FlightMode
 from jfto_sim.modes.guided import Guided
 from jfto_sim.modes.numbers import MODE_NAMES, Mode
 from jfto_sim.modes.rtl import Rtl
-from jfto_sim.modes.simple import Holding, Land, Manual
+from jfto_sim.modes.simple import Brake, Land, Loiter, Manual
 from jfto_sim.parameter_protocol import ParameterProtocol
 from jfto_sim.params import Parameters
 from jfto_sim.port import Port
@@ -88,16 +88,16 @@ class Vehicle(Flight):
         self.mission_protocol = MissionProtocol(self)
         self.parameter_protocol = ParameterProtocol(self)
         self.commands = Commands(self)
-        self.auto, self.guided = Auto(self), Guided(self)
+        self.auto, self.guided, self.land = Auto(self), Guided(self), Land(self)
         self.modes: dict[int, FlightMode] = {
             Mode.STABILIZE: Manual(self, Mode.STABILIZE),
             Mode.ALT_HOLD: Manual(self, Mode.ALT_HOLD),
             Mode.AUTO: self.auto,
             Mode.GUIDED: self.guided,
-            Mode.LOITER: Holding(self, Mode.LOITER),
+            Mode.LOITER: Loiter(self),
             Mode.RTL: Rtl(self),
-            Mode.LAND: Land(self),
-            Mode.BRAKE: Holding(self, Mode.BRAKE),
+            Mode.LAND: self.land,
+            Mode.BRAKE: Brake(self),
         }
         self.mode = self.modes[Mode.STABILIZE]
         self.camera = Camera(self)
@@ -134,7 +134,7 @@ class Vehicle(Flight):
 
     def _next_event_s(self) -> float:
         times = [self._next_step_s, self.boot.next_s, self.arming.next_s, self._next_timesync_s]
-        times.append(self.parameter_protocol.next_s)
+        times += [self.parameter_protocol.next_s, self.mission_protocol.next_s]
         times += [port.next_due_s() for port in self.ports]
         if self._inbox:
             times.append((math.floor(self.time_s / LOOP_S + 1e-6) + 1) * LOOP_S)
@@ -149,10 +149,10 @@ class Vehicle(Flight):
         self.boot.tick()
         self.arming.tick()
         self.parameter_protocol.tick()
+        self.mission_protocol.tick()
         if now >= self._next_step_s:
             self._next_step_s += STEP_S
             self.step_motion(STEP_S)
-            self.mission_protocol.tick()
         if now >= self._next_watch_s:
             self._next_watch_s += _WATCH_S
             self.failsafes.tick()

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, replace
 
 from jfto_sim.dialect import Message, mavlink
+from jfto_sim.params import as_float32
 
 LOCATION_ALT_MAX_M = 83000.0
 GLOBAL, RELATIVE, TERRAIN = 0, 3, 10
@@ -107,9 +108,9 @@ def parse(message: Message) -> tuple[Item | None, int]:
     if fault:
         return None, fault
     if message.get_type() == "MISSION_ITEM":
-        scaled = (message.x * 1e7, message.y * 1e7)
-        if not all(math.isfinite(v) and abs(v) < 2**31 for v in scaled):
+        if not all(math.isfinite(v) and abs(v) < 200.0 for v in (message.x, message.y)):
             return None, mavlink.MAV_MISSION_INVALID_PARAM5_X
+        scaled = (as_float32(message.x * 1e7), as_float32(message.y * 1e7))
         x, y = int(scaled[0]), int(scaled[1])
     else:
         x, y = message.x, message.y

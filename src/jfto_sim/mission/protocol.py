@@ -5,10 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from jfto_sim.dialect import INFO, WARNING, Message, mavlink
+from jfto_sim.dialect import DEBUG, INFO, WARNING, Message, mavlink
 from jfto_sim.mission import items as kinds
 from jfto_sim.mission.items import Item
-from jfto_sim.mission.store import CAPACITY, FENCE, MISSION, RALLY, RALLY_POINT, fence_fault
+from jfto_sim.mission.store import (
+    CAPACITY,
+    FENCE,
+    MISSION,
+    RALLY,
+    RALLY_POINT,
+    fence_fault,
+    fence_size,
+)
 
 if TYPE_CHECKING:
     from jfto_sim.vehicle import Vehicle
@@ -62,9 +70,7 @@ class MissionProtocol:
         if kind == MISSION and self.vehicle.store.truncate(m.count):
             self.vehicle.mission_changed()
         if m.count == 0:
-            if kind != MISSION:
-                self.vehicle.store.replace(kind, [])
-            self._finished(m, port, kind)
+            self._finished(m, port, kind, [])
             return
         self._begin(m, port, 0, m.count - 1)
 
@@ -99,6 +105,7 @@ class MissionProtocol:
 
     def _on_mission_item_int(self, m: Message, port: int) -> None:
         if m.mission_type not in (MISSION, FENCE, RALLY):
+            self._ack(m, port, mavlink.MAV_MISSION_UNSUPPORTED)
             return
         kind = m.mission_type
         upload = self.uploads.get(kind)
@@ -157,23 +164,43 @@ class MissionProtocol:
 
     def _complete(self, m: Message, port: int, upload: Upload) -> None:
         self.uploads.pop(m.mission_type, None)
-        if m.mission_type == FENCE and fence_fault(upload.gathered):
+        fault = fence_fault(upload.gathered) if m.mission_type == FENCE else ""
+        if fault:
             self._ack(m, port, mavlink.MAV_MISSION_ERROR)
+            self.vehicle.text(WARNING, fault)
+            self.vehicle.text(WARNING, "Fence validation failed")
             return
-        if m.mission_type != MISSION:
-            self.vehicle.store.replace(m.mission_type, upload.gathered)
-        self._finished(m, port, m.mission_type)
+        self._finished(m, port, m.mission_type, upload.gathered)
 
-    def _finished(self, m: Message, port: int, kind: int) -> None:
+    def _finished(self, m: Message, port: int, kind: int, items: list[Item]) -> None:
         self._ack(m, port, mavlink.MAV_MISSION_ACCEPTED)
-        title = {MISSION: "Flight plan", FENCE: "Fence", RALLY: "Rally"}[kind]
-        self.vehicle.text(INFO, f"{title} received", port)
+        if kind == MISSION:
+            self.vehicle.text(INFO, "Flight plan received", port)
+        else:
+            self._replace(kind, items)
+
+    def _replace(self, kind: int, items: list[Item]) -> None:
+        v = self.vehicle
+        v.store.replace(kind, items)
+        if kind == FENCE:
+            v.text(DEBUG, "Fence Indexed OK")
+        name = "FENCE_TOTAL" if kind == FENCE else "RALLY_TOTAL"
+        v.params.store(name, len(items) if kind == RALLY else fence_size(items))
+        v.tell_parameter(name)
+
+    @property
+    def next_s(self) -> float:
+        """When a request is to be repeated, or an upload to be given up."""
+        return min(
+            (min(u.asked_s + REPEAT_S, u.heard_s + GIVE_UP_S) for u in self.uploads.values()),
+            default=float("inf"),
+        )
 
     def tick(self) -> None:
         """Repeat unanswered requests every second, give up 8 s after the last accepted item."""
         now = self.vehicle.time_s
         for kind, upload in list(self.uploads.items()):
-            if now - upload.heard_s >= GIVE_UP_S:
+            if now - upload.heard_s >= GIVE_UP_S - 1e-6:
                 del self.uploads[kind]
                 done = mavlink.MAVLink_mission_ack_message(
                     upload.system,
@@ -183,7 +210,7 @@ class MissionProtocol:
                 )
                 self.vehicle.send(upload.port, done)
                 self.vehicle.text(WARNING, "Mission upload timeout", upload.port)
-            elif now - upload.asked_s >= REPEAT_S:
+            elif now - upload.asked_s >= REPEAT_S - 1e-6:
                 self._ask(kind, upload)
 
     # --- from the vehicle ---
@@ -253,15 +280,15 @@ class MissionProtocol:
         if kind in self.uploads or (kind == MISSION and self.vehicle.mission_busy):
             self._ack(m, port, mavlink.MAV_MISSION_ERROR)
             return
+        self._ack(m, port, mavlink.MAV_MISSION_ACCEPTED)
         if kind == MISSION:
             self.vehicle.store.truncate(0)
             self.vehicle.mission_changed()
         else:
-            self.vehicle.store.replace(kind, [])
-        self._ack(m, port, mavlink.MAV_MISSION_ACCEPTED)
+            self._replace(kind, [])
 
     def _on_mission_set_current(self, m: Message, port: int) -> None:
-        if m.mission_type == MISSION and self.vehicle.set_mission_current(m.seq):
+        if self.vehicle.set_mission_current(m.seq):
             self.vehicle.send_now(port, mavlink.MAVLINK_MSG_ID_MISSION_CURRENT)
 
     def _on_mission_ack(self, m: Message, port: int) -> None:

@@ -52,8 +52,8 @@ class Store:
         self.lists[kind] = items
 
 
-def fence_fault(items: list[Item]) -> bool:
-    """Whether fence items do not make whole figures: polygons need 3 corners or more, in a row."""
+def fence_fault(items: list[Item]) -> str:
+    """What keeps fence items from making whole figures, empty if they do."""
     left, kind, size = 0, 0, 0.0
     for item in items:
         if item.command in (POLYGON_IN, POLYGON_OUT):
@@ -61,10 +61,16 @@ def fence_fault(items: list[Item]) -> bool:
                 size = item.params[0]
                 left, kind = int(size), item.command
                 if left < 3:
-                    return True
+                    return f"Invalid vertex count ({left})"
             elif item.command != kind or item.params[0] != size:
-                return True
+                return "Unexpected vertex"
             left -= 1
         elif left or item.command not in (CIRCLE_IN, CIRCLE_OUT, RETURN_POINT):
-            return True
-    return left != 0
+            return "Unexpected fence item"
+    return "Incomplete polygon" if left else ""
+
+
+def fence_size(items: list[Item]) -> int:
+    """FENCE_TOTAL: the corners and circles, and two more for each polygon."""
+    polygons = sum(1.0 / i.params[0] for i in items if i.command in (POLYGON_IN, POLYGON_OUT))
+    return len(items) + 2 * round(polygons)

@@ -14,6 +14,7 @@ from jfto_sim.modes.base import Descent, FlightMode, Takeoff
 from jfto_sim.modes.numbers import Mode
 from jfto_sim.modes.rtl import ReturnHome
 from jfto_sim.motion.waypoint_nav import WaypointNav
+from jfto_world.motion.arducopter.wpnav import WpNav
 
 if TYPE_CHECKING:
     from jfto_sim.vehicle import Vehicle
@@ -23,6 +24,7 @@ _FLY_THROUGH_BEFORE = frozenset(
     {kinds.WAYPOINT, kinds.SPLINE, kinds.LOITER_UNLIM, kinds.LOITER_TIME, kinds.PAYLOAD_PLACE}
 )
 _TURN_S = 30.0
+_NOTICED_LATE_S = 0.03  # how much later than the autopilot's own loop a step sees an arrival
 _NEVER_S = float("inf")
 
 
@@ -125,8 +127,11 @@ class Auto(FlightMode):
 
     def refresh_limits(self) -> None:
         """Take the parameters' speeds, or those that an item asked for."""
-        speed = 0.0 if self.speed_mps is None else 100.0 * self.speed_mps
-        self.nav.set_limits(self.vehicle.wpnav_at(speed))
+        self.nav.set_limits(self._limits())
+
+    def _limits(self) -> WpNav:
+        speed_cms = 0.0 if self.speed_mps is None else 100.0 * self.speed_mps
+        return self.vehicle.wpnav_at(speed_cms)
 
     @property
     def taking_off(self) -> bool:
@@ -192,7 +197,8 @@ class Auto(FlightMode):
         elif command in (kinds.LAND, kinds.VTOL_LAND):
             self._start_land(item)
         elif command == kinds.RTL:
-            self.phase, self.nav.active = Phase.RETURN, False
+            # the autopilot's one waypoint controller now has RTL's speed, and keeps it
+            self.phase, self.nav.active, self.speed_mps = Phase.RETURN, False, None
             self.home.start()
         elif command == kinds.DELAY:
             self._start_delay(item)
@@ -215,16 +221,15 @@ class Auto(FlightMode):
         self.say(f"Delaying {int(wait_s)} sec")
 
     def _start_waypoint(self, seq: int, item: Item) -> None:
-        if self.phase is Phase.TAKEOFF and not self.nav.active:
-            p = self.vehicle.wpnav_at(0.0 if self.speed_mps is None else 100.0 * self.speed_mps)
-            self.nav.start(p)
-            if self.takeoff.done:
+        if not self.nav.active:
+            self.nav.start(self._limits())
+            if self.phase is Phase.TAKEOFF and self.takeoff.done:
                 x, y = self.takeoff.mover.level.position_m
                 self.nav.begin((x, y, self.takeoff.height_m))
         self.phase = Phase.FLY
         default = self.nav.destination if self.nav.active else self.body.position_m
         place = self._place(item, default)
-        self.nav.set_destination(place)
+        self.nav.set_destination(place, wander=True)
         if item.command in (kinds.WAYPOINT, kinds.SPLINE, kinds.LOITER_TIME):
             self._hold_s = item.params[0]
         elif item.command == kinds.LOITER_UNLIM:
@@ -271,7 +276,7 @@ class Auto(FlightMode):
         if not self.nav.reached:
             return False
         if self._hold_since_s is None:
-            self._hold_since_s = now
+            self._hold_since_s = now - _NOTICED_LATE_S
         if now - self._hold_since_s < self._hold_s:
             return False
         if command in (kinds.WAYPOINT, kinds.SPLINE):
@@ -282,7 +287,7 @@ class Auto(FlightMode):
 
     def _begin_hold(self) -> None:
         self.phase = Phase.HOLD
-        self.nav.start(self.vehicle.wpnav)
+        self.nav.start(self._limits())
 
     def _height(self, item: Item) -> float:
         """Height above the power-up point; unknown terrain counts as sea level."""

@@ -11,7 +11,7 @@ from jfto_sim.motion.shaping import LevelTarget, VerticalTarget, sqrt_controller
 if TYPE_CHECKING:
     from jfto_sim.vehicle import Vehicle
 
-_SPOOL_UP_S, _SPOOL_AFTER_ARM_S = 1.55, 3.85
+_SPOOL_UP_S, _SPOOL_AFTER_ARM_S = 0.9, 3.15
 _TAKEOFF_SHARE, _TAKEOFF_SLOW = 0.9, 0.1
 _LAND_GAIN = 1.0
 
@@ -144,8 +144,8 @@ class Descent:
         self.place = place_m
         self.vehicle.heading.hold(self.vehicle.heading.demand_deg)
 
-    def step(self, dt_s: float) -> None:
-        """Sink: fast above LAND_ALT_LOW, then at LAND_SPEED."""
+    def step(self, dt_s: float, *, hold: bool = False) -> None:
+        """Sink: fast above LAND_ALT_LOW, then at LAND_SPEED; or hold the height for now."""
         v = self.vehicle
         p = v.wpnav
         low_m = v.params["LAND_ALT_LOW"] / 100.0
@@ -153,7 +153,7 @@ class Descent:
         slow = v.params["LAND_SPEED"] / 100.0
         above = low_m - v.height_above_home_m
         rate = sqrt_controller(above, _LAND_GAIN, p.accel_z_mps2, dt_s)
-        self.mover.climb(max(-max(fast, slow), min(-slow, rate)), dt_s)
+        self.mover.climb(0.0 if hold else max(-max(fast, slow), min(-slow, rate)), dt_s)
         if self.place is None:
             self.mover.brake(p.accel_mps2, v.jerk_xy_mps3, dt_s)
         else:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from jfto_sim.vehicle import Vehicle
 
 _CONE_CLIMB_MIN_M = 2.0
+_HEADING_KEPT = (0, 2)  # WP_YAW_BEHAVIOR
 
 
 class _Stage(Enum):
@@ -41,6 +42,7 @@ class ReturnHome:
         home = v.home_m
         self.height_m = self._return_height(math.dist((x, y), home[:2]), z - home[2]) + home[2]
         self.nav.set_destination((x, y, self.height_m))
+        self.nav.set_next((home[0], home[1], self.height_m))
         self.stage = _Stage.CLIMB
         v.heading.hold(v.heading.demand_deg)
 
@@ -67,8 +69,8 @@ class ReturnHome:
         elif self.stage is _Stage.RETURN and self.nav.reached:
             self._waits_since_s = v.time_s
             self.stage = _Stage.WAIT
-            turn = v.armed_heading_deg
-            v.heading.turn_to(turn, 0.0, 0, relative=False)
+            if int(v.params["WP_YAW_BEHAVIOR"]) not in _HEADING_KEPT:
+                v.heading.turn_to(v.armed_heading_deg, 0.0, 0, relative=False)
         elif self.stage is _Stage.WAIT and self._waited_s() >= v.params["RTL_LOIT_TIME"] / 1000.0:
             self.stage = _Stage.LAND
             self.descent.start((home[0], home[1]))

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
 from jfto_sim.geodesy import wrap_180, wrap_360
 from jfto_world.motion.arducopter.follower import (
-    INTEGRAL,
+    HEADING,
     RATE,
     THRUST,
     clock_step,
@@ -21,17 +22,25 @@ from jfto_world.motion.arducopter.wpnav import GRAVITY_MPS2, Airframe, WpNav
 _YAW_LAG_S = 0.3
 _FALL_MPS2 = 6.2  # net downward acceleration measured with one motor at a fifth of its thrust
 _TUMBLE_DEG = 60.0
+_INTO_SLOPE_M = 1.0  # deeper than this it has flown into rising ground, climbing or not
 
 
 class Body:
     """State of the airframe in metres east, north, up of home, and its heading.
 
     `target` is (3, 3): position, velocity and acceleration asked for. `landed` means that it
-    stands on the ground, which is flat at the height of the power-up point.
+    stands on the ground: `ground` gives its height at metres east and north of the power-up point;
+    without it the ground is flat at that point's height.
     """
 
-    def __init__(self, airframe: Airframe, heading_deg: float) -> None:
+    def __init__(
+        self,
+        airframe: Airframe,
+        heading_deg: float,
+        ground: Callable[[float, float], float] | None = None,
+    ) -> None:
         self.airframe = airframe
+        self._ground = ground
         self.state = hover_state(np.zeros(3))
         self.target = np.zeros((3, 3))
         self.yaw_deg = wrap_360(heading_deg)
@@ -73,16 +82,16 @@ class Body:
 
     def rest(self) -> None:
         """Forget velocity, tilt and integrators: the vehicle stands on the ground."""
-        self.state[3:] = 0.0
-        self.state[RATE] = 1.0
+        self.state = hover_state(self.state[:3], self.yaw_deg)
 
     def restart_clock(self) -> None:
         """Let the planner's clock run at full rate again."""
         self.state[RATE] = 1.0
 
-    def planner_step(self, dt_s: float) -> float:
-        """Advance of the planner's clock in `dt_s`: less while the vehicle lags behind."""
-        return float(clock_step(self.state, self.target, self._parameters, dt_s)) * dt_s
+    @property
+    def planner_rate(self) -> float:
+        """Rate of the planner's clock: less than 1 while the vehicle lags behind."""
+        return float(self.state[RATE])
 
     def turn(self, wanted_deg: float, rate_dps: float, dt_s: float) -> None:
         """Turn towards a heading; `rate_dps` is fed forward."""
@@ -91,16 +100,23 @@ class Body:
         share = 1.0 - math.exp(-dt_s / _YAW_LAG_S)
         self.yaw_deg = wrap_360(self.yaw_deg + error * share + rate_dps * dt_s * (1.0 - share))
         self.yaw_rate_dps = wrap_180(self.yaw_deg - before) / dt_s
+        yaw = math.radians(self.yaw_deg)
+        self.state[HEADING], self.state[HEADING + 1] = math.sin(yaw), math.cos(yaw)
 
     def fly(self, wind_mps: tuple[float, float], dt_s: float) -> None:
         """One step in the air; touching the ground ends it."""
         if self.failed:
             self._fall(dt_s)
         else:
+            clock_step(self.state, self.target, self._parameters, dt_s)
             follow_step(self.state, self.target, self._parameters, wind_mps[0], wind_mps[1], dt_s)
-        if self.state[2] <= 0.0 and self.state[5] <= 0.0:
-            self.hit_ground_mps = -float(self.state[5])
-            self.state[2] = 0.0
+        floor_m = 0.0
+        if self._ground is not None:
+            floor_m = self._ground(float(self.state[0]), float(self.state[1]))
+        depth_m = floor_m - float(self.state[2])
+        if depth_m >= 0.0 and (self.state[5] <= 0.0 or depth_m > _INTO_SLOPE_M):
+            self.hit_ground_mps = abs(float(self.state[5]))
+            self.state[2] = floor_m
             self.rest()
             self.landed = True
 
@@ -113,4 +129,4 @@ class Body:
         """Leave the ground with nothing wound up."""
         self.landed = False
         self.failed_for_s = 0.0
-        self.state[INTEGRAL : INTEGRAL + 2] = 0.0
+        self.rest()

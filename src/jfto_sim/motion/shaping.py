@@ -10,6 +10,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+# positions are approached with half of the acceleration that is allowed
+_BRAKING_SHARE = 0.5
+
 
 def sqrt_controller(error: float, gain: float, limit: float, dt_s: float) -> float:
     """First-order correction of an error whose rate of change is limited by `limit`."""
@@ -58,7 +61,8 @@ class VerticalTarget:
     ) -> None:
         """One step towards a height; `limits` are the greatest (climb, sink) rates."""
         gain = 0.5 * jerk_mps3 / accel_mps2
-        climb = sqrt_controller(height_m - self.height_m, gain, accel_mps2, dt_s)
+        braking = _BRAKING_SHARE * accel_mps2
+        climb = sqrt_controller(height_m - self.height_m, gain, braking, dt_s)
         climb = _clamp(climb, -limits[1], limits[0]) + feed_mps
         self.towards_climb(climb, accel_mps2, jerk_mps3, dt_s)
 
@@ -117,7 +121,8 @@ class LevelTarget:
         velocity = [0.0, 0.0]
         if size > 1e-9:
             gain = 0.5 * jerk_mps3 / accel_mps2
-            rate = min(sqrt_controller(size, gain, accel_mps2, dt_s), speed_mps)
+            braking = _BRAKING_SHARE * accel_mps2
+            rate = min(sqrt_controller(size, gain, braking, dt_s), speed_mps)
             velocity = [rate * e / size for e in error]
         aim = (velocity[0] + feed[0][0], velocity[1] + feed[0][1])
         self.towards_velocity(aim, feed[1], accel_mps2, jerk_mps3, dt_s)

@@ -19,6 +19,8 @@ from jfto_world.motion.arducopter.wpnav import WpNav
 
 Array = NDArray[np.float64]
 _SHAPE_JERK_MPS3 = 5.0
+# the position estimate wanders, so that a leg to where the vehicle hovers still takes 1.8 s
+_WANDER_M = 0.065
 
 
 class WaypointNav:
@@ -59,11 +61,16 @@ class WaypointNav:
         self.start(self.wpnav)
         self.destination = origin
 
-    def set_destination(self, destination: Vector) -> None:
-        """Fly to a point; the leg begins at the last destination if that was reached."""
+    def set_destination(self, destination: Vector, *, wander: bool = False) -> None:
+        """Fly to a point; the leg begins at the last destination if that was reached.
+
+        With `wander` a leg to where the vehicle already is has the length of the estimate's error.
+        """
         if not self.active or not self.reached:
             self.start(self.wpnav)
         origin = self.destination
+        if wander and math.dist(origin, destination) < _WANDER_M:
+            origin = (destination[0], destination[1] - _WANDER_M, destination[2])
         following = self._next if self.fast else None
         self._previous = self._leg
         if following is not None and math.dist(following.destination, destination) < 1e-6:
@@ -102,7 +109,7 @@ class WaypointNav:
         if leg is None:
             self.body.target[1:] = 0.0
             return
-        advance = self.body.planner_step(dt_s) * scale
+        advance = self.body.planner_rate * dt_s * scale
         if self._previous is not None:
             self._previous.elapsed_s += advance
         leg.elapsed_s += advance
@@ -143,10 +150,11 @@ class WaypointNav:
             for row in range(3):
                 for axis in range(3):
                     sums[row][axis] += along[row] * part.unit[axis]
+        change = self._pace.accel_mps2[0]
         for axis in range(3):
             target[0, axis] = sums[0][axis]
             target[1, axis] = sums[1][axis] * scale
-            target[2, axis] = sums[2][axis] * scale * scale
+            target[2, axis] = sums[2][axis] * scale * scale + sums[1][axis] * change
 
     @property
     def distance_m(self) -> float:
