@@ -18,9 +18,13 @@ from jfto_mavlink.link.key_file import StampFile, read_key
 from jfto_mavlink.link.signing import Signer
 from jfto_mavlink.roster import Roster, RosterEntry, parse_roster
 from jfto_mavlink.watch import Event
+from jfto_msgs_py.plan import Plan
 from jfto_sim import VehicleConfig
 from jfto_sim.server import ServerSettings, SimServer
+from jfto_world.terrain import Dem
 
+# Ground height above a pad at metres east and north of it.
+PadGround = Callable[[float, float], float]
 Place = tuple[float, float, float]
 HEARD_WAIT_S = 30.0
 SIMULATED = "sim:"
@@ -44,17 +48,20 @@ def open_fleet(
     log_directory: Path | None = None,
     key_file: Path | None = None,
     on_event: Callable[[Event], None] | None = None,
+    grounds: Mapping[str, PadGround] | None = None,
 ) -> Iterator[FleetSession]:
     """Open a fleet and wait until all of it is heard.
 
     `vehicles` is ("sim:N",), whose vehicles stand on `pads` (UAV name: latitude, longitude, height
-    above sea level) and run `speedup` times faster than the clock, or roster entries such as
-    uav1=1@udpin:0.0.0.0:14550. Raises RosterError, LinkError, SigningError.
+    above sea level) over `grounds` and run `speedup` times faster than the clock, or entries of a
+    roster such as uav1=1@udpin:0.0.0.0:14550. Raises RosterError, LinkError, SigningError.
     """
     if len(vehicles) == 1 and vehicles[0].startswith(SIMULATED):
         if key_file is not None:
             raise RosterError(201, "simulated vehicles start without a key; leave --key out.")
-        with _simulated(vehicles[0], pads, speedup, log_directory, on_event) as session:
+        with _simulated(
+            vehicles[0], pads, grounds or {}, speedup, log_directory, on_event
+        ) as session:
             yield session
         return
     if speedup != 1.0:
@@ -71,6 +78,20 @@ def open_fleet(
         yield FleetSession(bridge, bridge.clock, simulated=False)
 
 
+def grounds(plan: Plan, dem: Dem | None) -> dict[str, PadGround]:
+    """The terrain as each UAV of a plan sees it from its pad; empty where it is not known."""
+    if dem is None:
+        return {}
+    return {uav.id: _seen_from(dem, uav.start_m) for uav in plan.uavs}
+
+
+def _seen_from(dem: Dem, pad_m: Place) -> PadGround:
+    pad_height_m = float(dem.height(pad_m[0], pad_m[1]))
+    return lambda east_m, north_m: (
+        float(dem.height(pad_m[0] + east_m, pad_m[1] + north_m)) - pad_height_m
+    )
+
+
 def load_signer(key_file: Path) -> Signer:
     """The signer of a key file, whose time stamps never go back over restarts."""
     stamps = StampFile(key_file)
@@ -81,6 +102,7 @@ def load_signer(key_file: Path) -> Signer:
 def _simulated(
     text: str,
     pads: Mapping[str, Place],
+    grounds: Mapping[str, PadGround],
     speedup: float,
     log_directory: Path | None,
     on_event: Callable[[Event], None] | None,
@@ -99,8 +121,9 @@ def _simulated(
             home_lon_deg=pad[1],
             home_alt_m=pad[2],
             utc_at_boot_us=int(start_unix_s * 1e6),
+            ground=grounds.get(uav),
         )
-        for n, pad in enumerate(pads.values(), 1)
+        for n, (uav, pad) in enumerate(pads.items(), 1)
     ]
     endpoint = (f"udpto:{link.host}:{link.number}",)
     settings = ServerSettings((endpoint,) * len(configs), speedup)

@@ -52,13 +52,14 @@ def command(plan: Path, out: Path | None, stagger: float, within: float, yes: bo
     Example:  jfto fly plan.json --vehicles sim:3 --speedup 10
     """
     from jfto.cli.flight_screen import FlightScreen
-    from jfto.fleet_session import open_fleet
+    from jfto.fleet_session import grounds, open_fleet
     from jfto.flight_log import flight_object, new_flight_directory
     from jfto_mavlink.fleet.fly import FlySettings, fly_fleet
     from jfto_mavlink.fleet.release import deliver_to_fleet
     from jfto_mavlink.flight.preflight import GateSettings
 
-    missions = build(plan, choices)
+    built = build(plan, choices)
+    missions = built.missions
     directory = new_flight_directory(out)
     pads = {uav: mission.home_deg_m for uav, mission in missions.items()}
     with FlightScreen() as screen, open_fleet(
@@ -68,6 +69,7 @@ def command(plan: Path, out: Path | None, stagger: float, within: float, yes: bo
         log_directory=directory,
         key_file=choices["key_file"],
         on_event=screen.event,
+        grounds=grounds(built.plan, built.dem),
     ) as session:  # fmt: skip
         sent = {uav: mission.mission for uav, mission in missions.items()}
         release = deliver_to_fleet(session.runner, sent, screen.report).release()

@@ -42,7 +42,7 @@ def export(plan: Path, out: Path, form: str, debug: bool, **choices: Any) -> int
     """Write one mission file per UAV of PLAN for QGroundControl and Mission Planner."""
     from jfto_mavlink.files.mission_file import write_mission
 
-    missions = build(plan, choices)
+    missions = build(plan, choices).missions
     out.mkdir(parents=True, exist_ok=True)
     for uav, mission in missions.items():
         for path in write_mission(out / f"{uav}{FORMATS[form]}", mission.mission):
@@ -103,7 +103,7 @@ def upload(plan: Path, debug: bool, **choices: Any) -> int:  # noqa: ARG001
     from jfto.cli.flight_screen import FlightScreen
     from jfto_mavlink.fleet.release import deliver_to_fleet
 
-    missions = build(plan, choices)
+    missions = build(plan, choices).missions
     with _session(choices, missions) as session, FlightScreen() as screen:
         sent = {uav: mission.mission for uav, mission in missions.items()}
         outcome = deliver_to_fleet(session.runner, sent, screen.report)
@@ -127,7 +127,7 @@ def verify_command(plan: Path, debug: bool, **choices: Any) -> int:  # noqa: ARG
     from jfto.cli.flight_screen import FlightScreen
     from jfto_mavlink.mission.deliver import verify
 
-    missions = build(plan, choices)
+    missions = build(plan, choices).missions
 
     def job(mission: Mission) -> Any:
         return lambda context: verify(context, mission)

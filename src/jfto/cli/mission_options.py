@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +11,8 @@ import click
 
 if TYPE_CHECKING:
     from jfto_mavlink.mission.build import VehicleMission
+    from jfto_msgs_py.plan import Plan
+    from jfto_world.terrain import Dem
 
 Function = Callable[..., Any]
 PATH = click.Path(path_type=Path)
@@ -58,9 +61,18 @@ def build_options(function: Function) -> Function:
                 default=0.0,
                 show_default=True,
                 metavar="M",
-                help="Least height above home. Below 0 only if the pads stand above the slope.",
+                help="Least height above home, where the terrain is not known.",
             ),
-            click.option("--height-max", type=float, default=500.0, show_default=True, metavar="M"),
+            click.option(
+                "--terrain",
+                type=PATH,
+                metavar="SCENARIO",
+                help="Scenario whose terrain the legs and the way home must clear. Default: "
+                "scenario.yaml beside the plan, if there is one.",
+            ),
+            click.option(
+                "--height-max", type=float, default=1000.0, show_default=True, metavar="M"
+            ),
             click.option(
                 "--distance-max", type=float, default=5000.0, show_default=True, metavar="M"
             ),
@@ -70,13 +82,29 @@ def build_options(function: Function) -> Function:
     return function
 
 
-def build(plan_path: Path, choices: Mapping[str, Any]) -> dict[str, VehicleMission]:
-    """Missions of a plan file, by UAV, from the values of `build_options`."""
+@dataclass(frozen=True)
+class BuiltFleet:
+    """Missions by UAV, the plan they are of, and its terrain where it is known."""
+
+    plan: Plan
+    missions: dict[str, VehicleMission]
+    dem: Dem | None
+
+
+def build(plan_path: Path, choices: Mapping[str, Any]) -> BuiltFleet:
+    """Missions of a plan file from the values of `build_options`."""
+    from jfto.run_directory import SCENARIO_NAME
+    from jfto.scenario_file import load_scenario
+    from jfto.stages.survey import load_ground
     from jfto_mavlink.mission.build import build_missions
     from jfto_mavlink.mission.limits import MissionLimits
     from jfto_mavlink.mission.settings import MissionSettings
     from jfto_msgs_py.plan_file import read_plan
 
+    plan = read_plan(plan_path)
+    beside = plan_path.with_name(SCENARIO_NAME)
+    scenario = choices["terrain"] or (beside if beside.exists() else None)
+    dem = None if scenario is None else load_ground(load_scenario(scenario))
     limits = MissionLimits(
         height_min_m=choices["height_min"],
         height_max_m=choices["height_max"],
@@ -88,7 +116,8 @@ def build(plan_path: Path, choices: Mapping[str, Any]) -> dict[str, VehicleMissi
         return_height_m=choices["return_height"],
         limits=limits,
     )
-    return {mission.uav: mission for mission in build_missions(read_plan(plan_path), settings)}
+    built = build_missions(plan, settings, ground=None if dem is None else dem.height)
+    return BuiltFleet(plan, {mission.uav: mission for mission in built}, dem)
 
 
 def roster_texts(vehicles: tuple[str, ...]) -> list[str]:

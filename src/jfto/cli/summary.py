@@ -12,7 +12,7 @@ from rich.table import Table
 
 from jfto.comparison import OURS, AlgorithmResult, Comparison
 from jfto.cures import cures
-from jfto.export import certificate_object, paper_ratios, throughput_ratios
+from jfto.export import active_text, certificate_object, paper_ratios, throughput_ratios
 from jfto.paper import PAPER, PaperRow
 from jfto_msgs_py.plan import Plan
 
@@ -82,6 +82,7 @@ def print_comparison(rows: list[tuple[str, Comparison]]) -> None:
     console = Console(highlight=False)
     if not console.is_terminal:
         console.width = 110
+    console.soft_wrap = True
     console.print(comparison_table(rows))
     for scene, comparison in rows:
         theirs = paper_ratios(scene)
@@ -90,6 +91,7 @@ def print_comparison(rows: list[tuple[str, Comparison]]) -> None:
             for name, ratio in throughput_ratios(comparison).items()
         ]
         console.print(f"{scene}: C-TOP's throughput is {', '.join(parts)}")
+        console.print(f"{scene}: {active_text(comparison)}", markup=False)
         for note in comparison.notes:
             console.print(f"{scene}: {note}", markup=False)
 

@@ -43,11 +43,11 @@ def _draw_degree(axes: Axes, plan: Plan, comparison: Comparison) -> None:
         )
     axes.text(
         0.99,
-        plan.k_min - 0.08,
-        f"$K_{{min}}$ … $K_{{min}}+δ$ = {plan.k_min} … {plan.k_min + plan.delta}",
+        plan.k_min + plan.delta + 0.08,
+        f"$K_{{min}}$ to $K_{{min}}+δ$: {plan.k_min} to {plan.k_min + plan.delta}",
         transform=axes.get_yaxis_transform(),
         ha="right",
-        va="top",
+        va="bottom",
         fontsize=6.5,
         color="#0072B2",
     )

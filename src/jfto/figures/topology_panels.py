@@ -33,9 +33,10 @@ def topology_panels(plan: Plan, comparison: Comparison, dem: Dem, slot: int) -> 
         _draw_links(axes, positions, result, slot)
         _draw_uavs(axes, plan, result, slot)
         degree = result.degree[slot]
+        rate = f"{result.linked.throughput_bps[slot] / 1e6:,.0f}".replace(",", "\u202f")
         axes.set_title(
-            f"({'abcd'[index]}) {result.name}: {degree.min()}–{degree.max()} neighbours, "
-            f"{result.linked.throughput_bps[slot] / 1e6:,.0f} Mb/s".replace(",", "\u202f"),
+            f"({'abcd'[index]}) {result.name}: {degree.min()} to {degree.max()} neighbours, "
+            f"{rate} Mb/s",
             loc="left",
         )
     for axes in grid[-1]:

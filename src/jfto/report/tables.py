@@ -9,7 +9,7 @@ from html import escape
 import numpy as np
 
 from jfto.comparison import OURS, Comparison
-from jfto.export import paper_ratios, throughput_ratios
+from jfto.export import active_text, paper_ratios, throughput_ratios
 from jfto.figures.style import uav_colour
 from jfto.paper import PAPER
 from jfto_msgs_py.plan import Plan
@@ -62,7 +62,8 @@ def comparison_table(comparison: Comparison, scene: str) -> str:
         spread = f"{degree.min()}–{degree.max()}, mean {degree.mean():.2f}"
         rows.append([result.name, *cells, spread])
     note = '<p class="soft">In brackets: the paper\'s figures.</p>' if theirs else ""
-    return html_table(header, rows, ours) + note + _ratio_text(comparison, scene)
+    active = f'<p class="soft">{active_text(comparison)}</p>'
+    return html_table(header, rows, ours) + note + _ratio_text(comparison, scene) + active
 
 
 def fleet_table(plan: Plan, comparison: Comparison) -> str:

@@ -55,7 +55,7 @@ def plan_routes(
     PlanError where `warm_start` is for other waypoints or another fleet.
     """
     watcher.begin("routes", "choosing starting points")
-    problem = _problem(scenario, found)
+    problem = routing_problem(scenario, found)
     watcher.begin("routes", "searching")
     result = search(
         problem,
@@ -114,7 +114,8 @@ def is_clean(plan: Plan) -> bool:
     return plan.certificate is not None and plan.certificate.clean
 
 
-def _problem(scenario: Scenario, found: Survey) -> RoutingProblem:
+def routing_problem(scenario: Scenario, found: Survey) -> RoutingProblem:
+    """The routing problem of a scenario; raises InfeasibleError where its starts cannot serve."""
     fleet, mission, network = scenario.fleet, scenario.mission, scenario.network
     radio = scenario.radio.record()
     channel = make_channel(radio)

@@ -37,8 +37,8 @@
   SCENE.uavs.forEach((uav, a) => traces.push({
     type: "scatter3d", mode: "markers+text", name: uav.id, legendgroup: uav.id,
     x: [null], y: [null], z: [null], text: [uav.id], textposition: "top center",
-    textfont: { size: 12, color: "#1c2430" },
-    marker: { color: uav.color, size: 7, symbol: SYMBOLS[a % SYMBOLS.length], line: { color: "#ffffff", width: 1 } },
+    textfont: { size: 15, color: "#1c2430" },
+    marker: { color: uav.color, size: 9, symbol: SYMBOLS[a % SYMBOLS.length], line: { color: "#ffffff", width: 1 } },
     hovertemplate: uav.id + "<br>%{x:.0f} m E, %{y:.0f} m N, %{z:.0f} m up<extra></extra>",
   }));
 
@@ -77,7 +77,7 @@
     margin: { l: 0, r: 0, t: 0, b: 0 }, paper_bgcolor: "#ffffff",
     legend: { x: 0.01, y: 0.99, bgcolor: "rgba(255,255,255,0.8)" },
     scene: {
-      aspectmode: "data", camera: { eye: { x: -0.9, y: -1.25, z: 0.95 } },
+      aspectmode: "data", camera: { eye: { x: -0.95, y: -1.3, z: 0.95 }, center: { x: 0, y: 0, z: -0.12 } },
       xaxis: Object.assign({ title: { text: "East (m)" } }, axis),
       yaxis: Object.assign({ title: { text: "North (m)" } }, axis),
       zaxis: Object.assign({ title: { text: "Up (m)" } }, axis),
