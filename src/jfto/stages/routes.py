@@ -69,7 +69,7 @@ def plan_routes(
         build_plan(
             result.routes,
             waypoints=found.waypoints,
-            uavs=_uavs(scenario, problem.starts_m),
+            uavs=plan_uavs(scenario, problem.starts_m),
             slot_count=mission.slot_count,
             horizon_s=mission.horizon_s or None,
             k_min=network.k_min,
@@ -192,7 +192,8 @@ def _warm_routes(plan: Plan, found: Survey, problem: RoutingProblem) -> tuple[tu
     return tuple(tuple(index[number] for number in route.waypoint_ids) for route in plan.routes)
 
 
-def _uavs(scenario: Scenario, pads_m: Array) -> tuple[Uav, ...]:
+def plan_uavs(scenario: Scenario, pads_m: Array) -> tuple[Uav, ...]:
+    """Records of a fleet on its pads (A, 3)."""
     fleet = scenario.fleet
     return tuple(
         Uav(

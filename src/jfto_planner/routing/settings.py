@@ -28,7 +28,7 @@ class SearchSettings:
         waypoint and its nearest one.
     """
 
-    moves: int | None = 8_000_000
+    moves: int | None = 24_000_000
     starts: int = 4
     time_limit_s: float | None = None
     workers: int | None = None
