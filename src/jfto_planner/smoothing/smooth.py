@@ -2,7 +2,8 @@
 
 Hierarchical. Inner problem: given the durations around a waypoint, its velocity and acceleration
 by convex quadratic programme in closed form (least squared jerk), which fixes all control points.
-Outer problem: durations, knot distances and offsets by pattern search for the least time.
+Outer problem: durations, knot distances and offsets by pattern search for the least time. Where
+legs are too short for cruise, a spline with one segment per leg takes over if it is faster.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InputError
+from jfto_planner.smoothing.chain import Chain, chain_of, shorten
 from jfto_planner.smoothing.kernels import control_points
 from jfto_planner.smoothing.limits import CurveLimits
 from jfto_planner.smoothing.route_solver import RouteSolver
@@ -32,7 +34,7 @@ class SmoothingSettings:
     joint that often.
     """
 
-    corridor_m: float = 12.0
+    corridor_m: float = 20.0
     sweeps: int = 3
 
     def __post_init__(self) -> None:
@@ -87,7 +89,8 @@ def smooth_route(request: RouteRequest, settings: SmoothingSettings | None = Non
         points[first], merged_stop, merged_cap, request.limits.row(_MARGIN), settings.corridor_m
     )
     solver.run(settings.sweeps)
-    control, duration, passed = _assemble(solver, merged_hold)
+    chain = shorten(chain_of(solver), solver, settings.corridor_m)
+    control, duration, passed = _assemble(chain, merged_hold)
     return Trajectory(control, duration, passed[joint_of])
 
 
@@ -117,29 +120,20 @@ def _distinct(points: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     return np.flatnonzero(new), np.cumsum(new) - 1
 
 
-def _assemble(solver: RouteSolver, hold_s: Array) -> tuple[Array, Array, Array]:
-    """Segments in order: line, into the joint, rest, out of it; and when each joint is passed."""
+def _assemble(chain: Chain, hold_s: Array) -> tuple[Array, Array, Array]:
+    """Control points and durations of all segments, holds included; when each joint is passed."""
     control: list[Array] = []
     duration: list[float] = []
-    passed = np.zeros(len(solver.points))
-
-    def add(start: Array, end: Array, span: float) -> None:
-        points = np.zeros((6, 3))
-        control_points(start, end, span, points)
-        control.append(points)
-        duration.append(span)
-
-    for k, (states, spans) in enumerate(zip(solver.states, solver.durations, strict=True)):
+    passed = np.zeros(len(hold_s))
+    for k, state in enumerate(chain.states):
         if k > 0:
-            before = solver.states[k - 1, 2]
-            step = states[0, 0] - before[0]
-            size = float(np.linalg.norm(step))
-            if size > 0:
-                add(before, states[0], size / float(np.linalg.norm(before[1])))
-            add(states[0], states[1], spans[0])
-        if hold_s[k] > 0:
-            add(states[1], states[1], hold_s[k])
-        passed[k] = sum(duration)
-        if k < len(solver.speeds):
-            add(states[1], states[2], spans[1])
+            control.append(np.zeros((6, 3)))
+            duration.append(chain.durations[k - 1])
+            control_points(chain.states[k - 1], state, duration[-1], control[-1])
+        joint = chain.joints[k]
+        if joint >= 0:
+            if hold_s[joint] > 0:
+                control.append(np.broadcast_to(state[0], (6, 3)).copy())
+                duration.append(hold_s[joint])
+            passed[joint] = sum(duration)
     return np.array(control), np.array(duration), passed

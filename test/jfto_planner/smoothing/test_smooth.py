@@ -54,7 +54,7 @@ def test_rest_to_rest_equals_the_closed_form(length, speed, accel, jerk):
 
 
 @settings(deadline=None, max_examples=20, derandomize=True)
-@given(st.integers(0, 100_000), st.floats(30, 300))
+@given(st.integers(0, 100_000), st.floats(15, 300))
 def test_limits_hold_everywhere(seed, spread):
     """At 1000 samples per segment, and by the hull everywhere, every limit is kept."""
     route = random_route(seed, 7, spread)
@@ -66,7 +66,7 @@ def test_limits_hold_everywhere(seed, spread):
 
 
 @settings(deadline=None, max_examples=20, derandomize=True)
-@given(st.integers(0, 100_000), st.floats(30, 300))
+@given(st.integers(0, 100_000), st.floats(15, 300))
 def test_joints_are_continuous_and_waypoints_are_met(seed, spread):
     """Position, velocity, acceleration agree at joints to 1e-9; each waypoint is passed on time."""
     route = random_route(seed, 7, spread)
@@ -85,10 +85,11 @@ def test_joints_are_continuous_and_waypoints_are_met(seed, spread):
     assert trajectory.waypoint_s[-1] == pytest.approx(trajectory.end_s)
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_flying_through_beats_stopping(seed):
+@pytest.mark.parametrize("spread", [25.0, 60.0, 120.0, 250.0])
+@pytest.mark.parametrize("seed", range(2))
+def test_flying_through_beats_stopping(seed, spread):
     """Total time is at most 0.97 of stop-and-go and at least that of straight lines."""
-    route = random_route(seed, 10, 200.0)
+    route = random_route(seed, 10, spread)
     through = smooth_route(RouteRequest(route, LIMITS)).end_s
     stopped = smooth_route(RouteRequest(route, LIMITS, stop=np.ones(10, bool))).end_s
     assert straight_line_s(route, LIMITS) <= through <= 0.97 * stopped
