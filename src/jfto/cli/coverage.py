@@ -29,7 +29,7 @@ def command(
     as_json: bool,
     debug: bool,  # noqa: ARG001  main() reads it
 ) -> int:
-    r"""Place the cameras of SCENARIO and prove by ray casting what they see.
+    """Place the cameras of SCENARIO and prove by ray casting what they see.
 
     \b
     Example:  jfto coverage config/demo.yaml --set coverage.gsd_cm=5 -o waypoints.csv

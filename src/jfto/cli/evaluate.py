@@ -29,7 +29,7 @@ def command(
     as_json: bool,
     debug: bool,  # noqa: ARG001  main() reads it
 ) -> int:
-    r"""Compare C-TOP with MTP, A-LMST and CPAPO, beside the paper's figures.
+    """Compare C-TOP with MTP, A-LMST and CPAPO, beside the paper's figures.
 
     Takes plans (.json) and scenarios, which are planned first. A plan in the directory of a run
     brings its scenario along.

@@ -22,8 +22,6 @@ from jfto.cli.options import debug_option
 if TYPE_CHECKING:
     from jfto_mavlink.flight.follow import FlightRecord
 
-WITHIN_M = 2.0
-
 
 @click.command("fly")
 @click.argument("plan", type=PATH)
@@ -34,16 +32,12 @@ WITHIN_M = 2.0
 @click.option(
     "--stagger", type=click.FloatRange(0.0), default=0.0, metavar="S", help="Time between starts."
 )
-@click.option(
-    "--within", type=float, default=WITHIN_M, show_default=True, metavar="M",
-    help="How close a waypoint must be passed.",
-)  # fmt: skip
 @click.option("--yes", is_flag=True, help="Start real vehicles without asking.")
 @build_options
 @debug_option
-def command(plan: Path, out: Path | None, stagger: float, within: float, yes: bool, debug: bool,  # noqa: ARG001
+def command(plan: Path, out: Path | None, stagger: float, yes: bool, debug: bool,  # noqa: ARG001
             **choices: Any) -> int:  # fmt: skip
-    r"""Fly PLAN from the pads to the landing: upload, verify, check, arm, start, follow.
+    """Fly PLAN from the pads to the landing: upload, verify, check, arm, start, follow.
 
     Every vehicle must hold its verified mission and pass its checks, or none is armed. Writes a
     .tlog per vehicle and flight.json. Status 0 if every waypoint was passed within --within.
@@ -81,7 +75,7 @@ def command(plan: Path, out: Path | None, stagger: float, within: float, yes: bo
         )
     flight = flight_object(records, screen.events)
     (directory / "flight.json").write_text(json.dumps(flight, indent=1) + "\n", encoding="utf-8")
-    return _show(records, within, directory)
+    return _show(records, choices["within"], directory)
 
 
 def _show(records: dict[str, FlightRecord], within_m: float, directory: Path) -> int:

@@ -24,6 +24,13 @@ COMMANDS = {
     "report": "Rebuild the figures and the report of a run.",
     "mission": "Missions for ArduPilot: files, upload, verification.",
     "fly": "Fly a plan with real or simulated vehicles.",
+    "sim": "Simulated ArduCopter vehicles on TCP and UDP.",
+    "train": "Train the learned planner RL-TP.",
+    "topic": "Topics of a ROS 2 graph: list, info, echo, hz, pub.",
+    "node": "Nodes of a ROS 2 graph: list, info.",
+    "service": "Services of a ROS 2 graph: list, call.",
+    "param": "Parameters of ROS 2 nodes: list, get, set, dump.",
+    "bag": "ROS 2 bags: record, info, play, replay.",
     "doctor": "What is installed, what is missing, what to do.",
 }
 
@@ -55,7 +62,7 @@ class _LazyGroup(click.Group):
 @click.command(cls=_LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, "--version", message="jfto %(version)s")
 def cli() -> None:
-    r"""Plan a multirotor fleet that photographs a mountainside and keeps a live mesh.
+    """Plan a multirotor fleet that photographs a mountainside and keeps a live mesh.
 
     \b
     Begin with:  jfto run config/demo.yaml

@@ -36,7 +36,7 @@ def command(
     as_json: bool,
     debug: bool,  # noqa: ARG001  main() reads it
 ) -> int:
-    r"""Plan the routes of SCENARIO and write a verified plan.
+    """Plan the routes of SCENARIO and write a verified plan.
 
     The same scenario and seed give the same bytes. An infeasible scenario ends with status 3 and
     the closest plan in FILE's .infeasible.json. Ctrl-C keeps the best plan so far.

@@ -32,7 +32,7 @@ def command(
     as_json: bool,
     debug: bool,  # noqa: ARG001  main() reads it
 ) -> int:
-    r"""Plan, verify and compare SCENARIO, and write a report.
+    """Plan, verify and compare SCENARIO, and write a report.
 
     Coverage, routes, topology, power, comparison with MTP, A-LMST and CPAPO, figures, report: all
     results go to one directory. An infeasible scenario ends with status 3; the closest plan and a
@@ -48,7 +48,7 @@ def command(
     from jfto.cli.watcher import TerminalWatcher
     from jfto.export import comparison_object
     from jfto.pipeline import run_all
-    from jfto.run_directory import make_run_directory
+    from jfto.run_directory import make_run_directory, what_is_kept
     from jfto.stages.routes import is_clean
 
     directory = make_run_directory(out)
@@ -59,15 +59,14 @@ def command(
             f"{area[1] / 1000:g} km, {loaded.scenario.terrain.source}",
             markup=False,
         )
-        outcome = run_all(loaded, directory, watcher)
-    path = str(outcome.plan_path)
-    if outcome.interrupted or outcome.comparison is None:
-        click.echo(
-            f"Interrupted. The best plan so far is kept: {path}. "
-            f"Finish the report with: jfto report {directory}",
-            err=True,
-        )
+        try:
+            outcome = run_all(loaded, directory, watcher)
+        except KeyboardInterrupt:
+            outcome = None
+    if outcome is None or outcome.comparison is None:
+        click.echo(f"Interrupted. {what_is_kept(directory)}", err=True)
         return EXIT_INTERRUPTED
+    path = str(outcome.plan_path)
     if as_json:
         scene = loaded.scenario.evaluation.paper_scene
         facts = plan_facts(outcome.plan, path)
