@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from jfto_planner.smoothing.kernels import ACCEL, JERK
 from jfto_planner.smoothing.route_solver import RouteSolver
 from jfto_planner.smoothing.spline_solver import shortest_durations
 
@@ -84,9 +85,10 @@ def _splined(
     kept = [k for k, joint in enumerate(joints) if joint >= 0 or k in (0, len(joints) - 1)]
     times = np.concatenate([[0.0], np.cumsum(durations)])
     best: tuple[float, Array, Array] | None = None
-    for share in (1.0, 0.7):
+    given = np.diff(times[kept])
+    size = np.linalg.norm(np.diff([states[k][0] for k in kept], axis=0), axis=1)
+    for spans in (given, 0.7 * given, 0.5 * _stopped_s(size, solver)):
         found = np.array([states[k] for k in kept])
-        spans = share * np.diff(times[kept])
         fixed = np.zeros(len(kept), dtype=np.bool_)
         fixed[[0, -1]] = True
         cap = np.array([solver.cap[joints[k]] if joints[k] >= 0 else np.inf for k in kept])
@@ -98,3 +100,10 @@ def _splined(
     if best is None:
         return None
     return Chain(best[1], best[2], np.array([joints[k] for k in kept], dtype=np.intp))
+
+
+def _stopped_s(size: Array, solver: RouteSolver) -> Array:
+    """Time of legs from rest to rest without cruise, m to s: two ramps of half the length."""
+    by_accel = np.sqrt(size * solver.lim[ACCEL] / 1.5)
+    by_jerk = np.cbrt(size**2 * solver.lim[JERK] / 6.0)
+    return 2.0 * size / np.minimum(by_accel, by_jerk)
