@@ -32,8 +32,8 @@ def set_parameter(context: Context, name: str, value: float) -> Exchange[None]:
     request = mavlink.MAVLink_param_set_message(
         *context.target, name.encode("ascii"), value, mavlink.MAV_PARAM_TYPE_REAL32
     )
-    held = yield from _ask(context, name, request, float32(value))
-    if not _equal(held, float32(value)):
+    held = yield from _ask(context, name, request, value)
+    if not equal(held, value):
         raise CommandError(
             507,
             f"{context.uav}: {name} is {held:g}, not {value:g}.",
@@ -55,7 +55,7 @@ def _ask(
             if message is None or message.get_type() != "PARAM_VALUE" or message.param_id != name:
                 continue
             held = message.param_value
-            if wanted is None or _equal(held, wanted):
+            if wanted is None or equal(held, wanted):
                 return held
     if held is not None:
         return held
@@ -64,5 +64,6 @@ def _ask(
     )
 
 
-def _equal(a: float, b: float) -> bool:
-    return math.isclose(a, b, rel_tol=1e-6, abs_tol=1e-9)
+def equal(a: float, b: float) -> bool:
+    """Whether two values are the same parameter value: they travel as 32-bit floats."""
+    return math.isclose(float32(a), float32(b), rel_tol=1e-6, abs_tol=1e-9)

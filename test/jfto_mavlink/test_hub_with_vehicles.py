@@ -73,7 +73,7 @@ def test_fence_and_rally_points_ride_along():
         mission(),
         fence=fence_items(Fence(circles=(Circle((47.3977, 8.5456), 300.0),))),
         rally=rally_items((RallyPoint((47.3978, 8.5457), 30.0),)),
-        fence_height_max_m=120.0,
+        parameters=(("FENCE_ALT_MAX", 120.0),),
     )
     runner = fleet()
     runner.advance(2.0)

@@ -48,6 +48,14 @@ def build_options(function: Function) -> Function:
                 show_default=True,
                 help="hold stops 1 s at each waypoint: sharper photos, about 6 s longer each.",
             ),
+            click.option(
+                "--within",
+                type=click.FloatRange(0.1, 10.0),
+                default=2.0,
+                show_default=True,
+                metavar="M",
+                help="How close every waypoint is passed; less is slower at corners.",
+            ),
             click.option("--takeoff-height", type=float, default=10.0, show_default=True),
             click.option(
                 "--return-height",
@@ -112,6 +120,7 @@ def build(plan_path: Path, choices: Mapping[str, Any]) -> BuiltFleet:
     )
     settings = MissionSettings(
         style=choices["style"],
+        pass_within_m=choices["within"],
         takeoff_height_m=choices["takeoff_height"],
         return_height_m=choices["return_height"],
         limits=limits,

@@ -33,7 +33,7 @@ from jfto_mavlink.mission.item import (
 ALTITUDE_MODES = {FRAME_HOME: 1, FRAME_ABSOLUTE: 2, FRAME_TERRAIN: 4}
 FIRMWARE_ARDUPILOT, VEHICLE_QUADROTOR = 3, 2
 # QGroundControl reads past keys that it does not know.
-HEIGHTS_KEY = "jftoHeights"
+PARAMETERS_KEY = "jftoParameters"
 
 
 def write_qgc_plan(path: Path, mission: Mission) -> None:
@@ -78,9 +78,6 @@ def plan_document(mission: Mission) -> dict[str, Any]:
     }
     if fence.return_point is not None:
         geo_fence["breachReturn"] = [*fence.return_point, 0.0]
-    heights = [mission.fence_height_min_m, mission.fence_height_max_m]
-    if heights != [None, None]:
-        geo_fence[HEIGHTS_KEY] = heights
     return {
         "fileType": "Plan",
         "version": 1,
@@ -100,6 +97,7 @@ def plan_document(mission: Mission) -> dict[str, Any]:
             "version": 2,
             "points": [[item.lat_deg, item.lon_deg, item.z] for item in mission.rally],
         },
+        **({PARAMETERS_KEY: dict(mission.parameters)} if mission.parameters else {}),
     }
 
 
@@ -128,8 +126,10 @@ def parse_document(document: dict[str, Any]) -> Mission:
         at(RALLY_COMMAND, FRAME_HOME, *point)
         for point in document.get("rallyPoints", {}).get("points", ())
     )
-    heights = geo_fence.get(HEIGHTS_KEY, (None, None))
-    return Mission(tuple(items), fence_items(fence), rally, heights[0], heights[1])
+    parameters = tuple(
+        (str(name), float(value)) for name, value in document.get(PARAMETERS_KEY, {}).items()
+    )
+    return Mission(tuple(items), fence_items(fence), rally, parameters)
 
 
 def _simple_item(item: Item, number: int) -> dict[str, Any]:

@@ -9,13 +9,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from jfto_mavlink.dialect import mavlink
 from jfto_mavlink.errors import MissionError
 from jfto_mavlink.mission.fence import Fence, RallyPoint, fence_items, rally_items
+from jfto_mavlink.mission.ground import Ground, check_clearance, return_height_m
 from jfto_mavlink.mission.item import FRAME_ABSOLUTE, FRAME_HOME, FRAME_NONE, Item, Mission, at
 from jfto_mavlink.mission.item_map import ItemMap, map_items
 from jfto_mavlink.mission.limits import check_limits
@@ -24,6 +26,8 @@ from jfto_mavlink.mission.stored import mission_hash
 from jfto_msgs_py.plan import Plan, Route, Uav, Waypoint
 from jfto_world.terrain.frame import LocalFrame
 
+# Of a wanted 2 m, a radius of 2 m used 0.9 to 2.4 m in flights on slopes.
+RADIUS_SHARE = 0.6
 SPEED_GROUND, SPEED_CLIMB, SPEED_DESCENT = 1.0, 2.0, 3.0
 
 
@@ -53,9 +57,14 @@ def build_missions(
     settings: MissionSettings,
     fence: Fence | None = None,
     rally: Sequence[RallyPoint] = (),
-    fence_heights_m: tuple[float | None, float | None] = (None, None),
+    fence_heights_m: tuple[float, float] | None = None,
+    ground: Ground | None = None,
 ) -> tuple[VehicleMission, ...]:
-    """One mission per UAV of the plan, in its order; raises MissionError."""
+    """One mission per UAV of the plan, in its order; raises MissionError.
+
+    With `ground` (ENU heights of the terrain) legs must clear it by `limits.clearance_min_m`, which
+    replaces the least height above home, and the way home is flown high enough over it.
+    """
     by_id = {waypoint.id: waypoint for waypoint in plan.waypoints}
     missions = []
     for uav, route in zip(plan.uavs, plan.routes, strict=True):
@@ -72,6 +81,7 @@ def build_missions(
                 fence or Fence(),
                 rally,
                 fence_heights_m,
+                ground,
             )
         )
     return tuple(missions)
@@ -85,10 +95,14 @@ def _build_one(
     settings: MissionSettings,
     fence: Fence,
     rally: Sequence[RallyPoint],
-    fence_heights_m: tuple[float | None, float | None],
+    fence_heights_m: tuple[float, float] | None,
+    ground: Ground | None,
 ) -> VehicleMission:
     frame = LocalFrame(plan.origin)
-    lat, lon, alt = frame.to_geodetic(np.array([uav.start_m, *(w.position_m for w in waypoints)]))
+    points = np.array([uav.start_m, *(w.position_m for w in waypoints)])
+    if ground is not None:
+        settings = _over_ground(uav.id, points, settings, ground)
+    lat, lon, alt = frame.to_geodetic(points)
     heights = alt - alt[0]
     places = [(float(a), float(o), float(h)) for a, o, h in zip(lat, lon, heights, strict=True)]
     home_alt_m = float(alt[0])
@@ -106,9 +120,15 @@ def _build_one(
         items += _shutter_items(settings)
         if index in settings.gates and index < len(waypoints) - 1:
             items.append(_gate_item(route.arrival_s[index], settings))
-    items += _ending_items(route, places[-1], plan.slots.horizon_s, settings)
+    last = places[-1] if waypoints else (*places[0][:2], settings.takeoff_height_m)
+    items += _ending_items(route, last, plan.slots.horizon_s, settings)
     check_limits(uav.id, items, settings.limits)
-    mission = Mission(tuple(items), fence_items(fence), rally_items(rally), *fence_heights_m)
+    mission = Mission(
+        tuple(items),
+        fence_items(fence),
+        rally_items(rally),
+        _parameters(settings, fence_heights_m),
+    )
     return VehicleMission(
         uav.id,
         mission,
@@ -117,6 +137,33 @@ def _build_one(
         tuple(places[1:]),
         route.arrival_s,
         (places[0][0], places[0][1], home_alt_m),
+    )
+
+
+def _parameters(
+    settings: MissionSettings, fence_heights_m: tuple[float, float] | None
+) -> tuple[tuple[str, float], ...]:
+    """Settings of the autopilot: how far corners may be cut, and the fence's floor and ceiling."""
+    # The target passes a waypoint within this radius; the vehicle follows it a little more widely.
+    found = [("WPNAV_RADIUS", float(round(settings.pass_within_m * RADIUS_SHARE * 100)))]
+    if fence_heights_m is not None:
+        found += [("FENCE_ALT_MIN", fence_heights_m[0]), ("FENCE_ALT_MAX", fence_heights_m[1])]
+    return tuple(found)
+
+
+def _over_ground(
+    uav: str, points_m: NDArray[np.float64], settings: MissionSettings, ground: Ground
+) -> MissionSettings:
+    """Settings whose way home clears the ground, after the check that the route does."""
+    limits = settings.limits
+    path = points_m.copy()
+    path[0, 2] += settings.takeoff_height_m
+    check_clearance(uav, path, ground, min(limits.clearance_min_m, settings.takeoff_height_m))
+    height = return_height_m(points_m[0], points_m[-1], ground, limits.return_clearance_m)
+    return replace(
+        settings,
+        return_height_m=max(height, settings.return_height_m or height),
+        limits=replace(limits, height_min_m=-limits.height_max_m),
     )
 
 
@@ -176,7 +223,7 @@ def _ending_items(
     items = []
     lat, lon, height = last
     wait_s = horizon_s - (route.arrival_s[-1] if route.arrival_s else 0.0)
-    if settings.relay_until_end and route.waypoint_ids and wait_s >= 1:
+    if settings.relay_until_end and wait_s >= 1:
         items.append(
             at(mavlink.MAV_CMD_NAV_LOITER_TIME, FRAME_HOME, lat, lon, height, math.ceil(wait_s))
         )

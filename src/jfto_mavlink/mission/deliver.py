@@ -13,7 +13,7 @@ from jfto_mavlink.mission.item import FENCE, MISSION, RALLY, TYPE_NAMES, Item, M
 from jfto_mavlink.mission.stored import differences, mission_hash
 from jfto_mavlink.mission.transfer import ACCEPTED, BUSY, ERROR, Patience, ack_name, ack_type
 from jfto_mavlink.mission.upload import upload
-from jfto_mavlink.parameter import set_parameter
+from jfto_mavlink.parameter import equal, read_parameter, set_parameter
 
 # Uploads of one mission until read-back must agree.
 ROUNDS = 3
@@ -32,7 +32,7 @@ class Delivered:
 def deliver(
     context: Context, mission: Mission, patience: Patience | None = None
 ) -> Exchange[Delivered]:
-    """Send mission, fence and rally points, read each back and compare item by item.
+    """Send mission, fence, rally points and parameters, read each back and compare.
 
     On the ground a refused mission is cleared, so that nothing half-new can be started. In flight
     the one on board before is put back. Raises TransferError whose `state` says which, and 405 in
@@ -50,7 +50,8 @@ def deliver(
     try:
         for mission_type in (FENCE, RALLY, MISSION):
             yield from _deliver_type(context, mission.of_type(mission_type), mission_type, patience)
-        yield from _fence_heights(context, mission)
+        for name, value in mission.parameters:
+            yield from set_parameter(context, name, value)
     except (TransferError, CommandError) as error:
         state = yield from _tidy_up(context, before, patience)
         raise TransferError(error.code, _without_code(error), state) from error
@@ -65,6 +66,10 @@ def verify(
     for mission_type in (MISSION, FENCE, RALLY):
         held = yield from download(context, mission_type, patience)
         found += differences(mission.of_type(mission_type), held, mission_type)
+    for name, value in mission.parameters:
+        held_value = yield from read_parameter(context, name)
+        if not equal(held_value, value):
+            found.append(f"{name}: sent {value:g}, on board {held_value:g}")
     return tuple(found)
 
 
@@ -118,13 +123,6 @@ def _deliver_type(
         f"{context.uav}: {name} on board differs after {ROUNDS} uploads in {len(found)} places, "
         f"first {found[0]}.{words}",
     )
-
-
-def _fence_heights(context: Context, mission: Mission) -> Exchange[None]:
-    if mission.fence_height_min_m is not None:
-        yield from set_parameter(context, "FENCE_ALT_MIN", mission.fence_height_min_m)
-    if mission.fence_height_max_m is not None:
-        yield from set_parameter(context, "FENCE_ALT_MAX", mission.fence_height_max_m)
 
 
 def _tidy_up(

@@ -25,7 +25,14 @@ def diff_missions(old: Mission, new: Mission) -> tuple[str, ...]:
                 continue
             lines += [f"- {name} {first + k}: {before[k]}" for k in range(a0, a1)]
             lines += [f"+ {name} {first + k}: {after[k]}" for k in range(b0, b1)]
-    for name in ("fence_height_min_m", "fence_height_max_m"):
-        if getattr(old, name) != getattr(new, name):
-            lines += [f"- {name}: {getattr(old, name)}", f"+ {name}: {getattr(new, name)}"]
+    lines += [
+        f"- {name} {value:g}"
+        for name, value in old.parameters
+        if (name, value) not in new.parameters
+    ]
+    lines += [
+        f"+ {name} {value:g}"
+        for name, value in new.parameters
+        if (name, value) not in old.parameters
+    ]
     return tuple(lines)

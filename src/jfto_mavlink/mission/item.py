@@ -140,15 +140,14 @@ def at(
 class Mission:
     """Everything one vehicle holds: items (item 0 is home), fence and rally points.
 
-    An empty `items` means an empty mission. Fence heights are parameters of the autopilot, None
-    leaves them as they are.
+    An empty `items` means an empty mission. `parameters` are settings of the autopilot that the
+    mission relies on, such as fence heights.
     """
 
     items: tuple[Item, ...] = ()
     fence: tuple[Item, ...] = ()
     rally: tuple[Item, ...] = ()
-    fence_height_min_m: float | None = None
-    fence_height_max_m: float | None = None
+    parameters: tuple[tuple[str, float], ...] = ()
 
     def of_type(self, mission_type: int) -> tuple[Item, ...]:
         """The items of one mission type."""

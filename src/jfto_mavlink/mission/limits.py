@@ -21,14 +21,19 @@ _HOLDING = (
 class MissionLimits:
     """What a mission may hold. Heights are above home; `items_max` includes home.
 
+    Where the ground is known, legs pass at least `clearance_min_m` above it, and the straight way
+    home `return_clearance_m`.
+
     ArduPilot keeps hold times in 16 bits, and at least 650 items on the boards in use.
     """
 
     height_min_m: float = 0.0
-    height_max_m: float = 500.0
+    height_max_m: float = 1000.0
     distance_max_m: float = 5000.0
     hold_max_s: float = 3600.0
     items_max: int = 650
+    clearance_min_m: float = 5.0
+    return_clearance_m: float = 20.0
 
     def __post_init__(self) -> None:
         if not 0 <= self.hold_max_s < 2**16:

@@ -17,15 +17,17 @@ class MissionSettings:
     """Choices that a plan leaves open.
 
     `style` "fly_through" takes photos at up to full speed and tilt; "hold" stops for `hold_s` at
-    each waypoint for sharp ones (5 to 6.5 s longer per waypoint, measured). After its last waypoint
-    a UAV stays as a relay until the plan's horizon when `relay_until_end` is set, climbs to
-    `return_height_m` above home if it is lower, and returns. `gates` are indices along each route
-    (0 = first waypoint) behind which all vehicles wait for their planned time plus `gate_slack_s`;
+    each waypoint for sharp ones (5 to 6.5 s longer per waypoint, measured). Waypoints are passed
+    within `pass_within_m`; less is slower at corners. After its last waypoint a UAV stays as a
+    relay until the plan's horizon when `relay_until_end` is set, climbs to `return_height_m` above
+    home if it is lower, and returns. `gates` are indices along each route (0 = first waypoint)
+    behind which all vehicles wait for their planned time plus `gate_slack_s`;
     they need `start_unix_s`, the planned moment of lift-off.
     """
 
     style: str = "fly_through"
     hold_s: float = 1.0
+    pass_within_m: float = 2.0
     takeoff_height_m: float = 10.0
     shutter: str = "digicam"
     mount: str = "mount_control"
@@ -51,6 +53,8 @@ class MissionSettings:
             raise MissionError(303, f"takeoff_height_m is {self.takeoff_height_m}, must be > 0.")
         if self.gates and self.start_unix_s is None:
             raise MissionError(303, "time gates need the planned moment of lift-off.")
+        if not 0.1 <= self.pass_within_m <= 10:
+            raise MissionError(303, f"pass_within_m is {self.pass_within_m}, must be 0.1…10.")
         if not 0 <= self.gate_slack_s <= 30:
             raise MissionError(
                 303,

@@ -12,6 +12,7 @@ from jfto_mavlink.errors import MissionError
 from jfto_mavlink.mission.build import build_missions
 from jfto_mavlink.mission.limits import MissionLimits
 from jfto_mavlink.mission.settings import MissionSettings
+from jfto_msgs_py.plan import Route
 from jfto_world.terrain.frame import LocalFrame
 
 WP, TAKEOFF, RTL = 16, 22, 20
@@ -153,3 +154,53 @@ def test_a_route_with_an_unknown_waypoint_is_refused(plan):
     """A plan that contradicts itself is not flown."""
     with pytest.raises(MissionError, match="not in the plan"):
         build_missions(dataclasses.replace(plan, waypoints=plan.waypoints[1:]), MissionSettings())
+
+
+def test_a_uav_without_waypoints_hovers_as_a_relay(plan):
+    """Over its pad until the horizon, then it lands; the mission is valid for AUTO."""
+    idle = dataclasses.replace(plan, routes=(plan.routes[0], Route((), (), 0.0)))
+    built = build_missions(idle, MissionSettings(set_speeds=False))[1]
+    assert commands(built) == [WP, TAKEOFF, LOITER, RTL]
+    loiter = built.mission.items[2]
+    assert loiter.params[0] == plan.slots.horizon_s
+    assert loiter.z == 10.0
+
+
+def test_legs_too_near_the_ground_are_refused_and_the_way_home_clears_it(plan):
+    """With the terrain known, a ridge under a leg is found, one on the way home is climbed over."""
+    flat = lambda x, y: np.zeros_like(x) - 5.0 + 0.0 * y  # noqa: E731
+    clear = build_missions(plan, MissionSettings(), ground=flat)[0]
+    assert clear.mission.items[-2].command == LOITER
+
+    def ridge(x, y):
+        return np.where(np.abs(x - 70.0) < 15.0, 33.0, -5.0) + 0.0 * y
+
+    with pytest.raises(MissionError, match=r"uav1: the leg .* passes .* above the ground"):
+        build_missions(plan, MissionSettings(), ground=ridge)
+
+    def hill_beside_the_route(x, y):
+        home_line = np.abs(y - 60.0 * x / 200.0) < 3.0
+        return np.where(home_line & (x > 170.0) & (x < 182.0), 100.0, -50.0)
+
+    built = build_missions(plan, MissionSettings(), ground=hill_beside_the_route)[0]
+    climb = built.mission.items[-2]
+    assert climb.command == WP
+    assert climb.z == pytest.approx(120.0, abs=0.1)
+
+
+def test_waypoints_below_the_pad_are_allowed_where_the_terrain_is_known(plan):
+    """A pad on a mountainside stands above some of its waypoints."""
+    low = dataclasses.replace(plan.waypoints[0], position_m=(50.0, 0.0, -60.0))
+    below = dataclasses.replace(plan, waypoints=(low, *plan.waypoints[1:]))
+    built = build_missions(below, MissionSettings(), ground=lambda x, y: 0.0 * x * y - 100.0)[0]
+    assert built.mission.items[built.item_map.items[0]].z < -55.0
+
+
+def test_how_close_waypoints_are_passed_is_a_parameter_that_rides_along(plan):
+    """WPNAV_RADIUS, in centimetres, and the fence's heights where asked for."""
+    built = build_missions(plan, MissionSettings(pass_within_m=1.0), fence_heights_m=(-10.0, 90.0))
+    assert dict(built[0].mission.parameters) == {
+        "WPNAV_RADIUS": 60.0,
+        "FENCE_ALT_MIN": -10.0,
+        "FENCE_ALT_MAX": 90.0,
+    }
