@@ -149,6 +149,11 @@ class Failsafes:
         if action is not None and not math.isnan(v.position_from_home_m[0]):
             self._go(action)
 
+    def terrain_missing(self) -> None:
+        """An item counts from the terrain, and terrain is switched off."""
+        self.vehicle.text(CRITICAL, "Failsafe: Terrain data missing")
+        self._go(Mode.RTL)
+
     def _watch_thrust(self) -> None:
         body = self.vehicle.body
         body.failed = self.vehicle.params["SIM_ENGINE_MUL"] < 0.5 and self.vehicle.arming.armed

@@ -227,6 +227,9 @@ class Auto(FlightMode):
                 x, y = self.takeoff.mover.level.position_m
                 self.nav.begin((x, y, self.takeoff.height_m))
         self.phase = Phase.FLY
+        if item.frame == kinds.TERRAIN and not self.vehicle.params["TERRAIN_ENABLE"]:
+            self.vehicle.failsafes.terrain_missing()
+            return
         default = self.nav.destination if self.nav.active else self.body.position_m
         place = self._place(item, default)
         self.nav.set_destination(place, wander=True)

@@ -32,6 +32,7 @@ class Heading:
         self.rate_dps = 0.0
         self._left_deg = 0.0
         self._slew_dps = SLEW_DPS
+        self._stream_deg = 0.0
         self.place_m: tuple[float, float] = (0.0, 0.0)
 
     def hold(self, heading_deg: float) -> None:
@@ -65,7 +66,7 @@ class Heading:
         """A heading that the station sends over and over, with the rate at which it changes."""
         self.mode = YawMode.STREAM
         self.rate_dps = rate_dps
-        self.demand_deg = wrap_360(heading_deg)
+        self._stream_deg = heading_deg
 
     def set_rate(self, rate_dps: float) -> None:
         """Turn at a rate."""
@@ -89,7 +90,10 @@ class Heading:
             step = math.copysign(min(abs(self._left_deg), self._slew_dps * dt_s), self._left_deg)
             self._left_deg -= step
             self.demand_deg = wrap_360(self.demand_deg + step)
-        elif self.mode in (YawMode.RATE, YawMode.STREAM):
+        elif self.mode is YawMode.STREAM:
+            self._stream_deg += self.rate_dps * dt_s
+            self._slew(self._stream_deg, dt_s)
+        elif self.mode is YawMode.RATE:
             self.demand_deg = wrap_360(self.demand_deg + self.rate_dps * dt_s)
         elif self.mode in (YawMode.ALONG_TRACK, YawMode.PLACE):
             self._slew(self._wanted(position_m, velocity_mps), dt_s)
