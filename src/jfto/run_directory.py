@@ -39,6 +39,17 @@ def make_run_directory(out: Path | None) -> Path:
     return out
 
 
+def what_is_kept(directory: Path) -> str:
+    """What an interrupted run leaves, and how to go on from there."""
+    for name, words in ((PLAN_NAME, "The best plan so far"), (INFEASIBLE_NAME, "The closest plan")):
+        if (directory / name).exists():
+            return (
+                f"{words} is kept: {directory / name}. "
+                f"Finish the report with: jfto report {directory}"
+            )
+    return f"There was no plan yet; {directory} holds the scenario only."
+
+
 def write_scenario(loaded: LoadedScenario, path: Path) -> None:
     """Write the resolved scenario, files named by absolute paths, so that it stands alone."""
     scenario = loaded.scenario
