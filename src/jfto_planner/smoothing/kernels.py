@@ -309,11 +309,11 @@ def search_joint(
         )
     if best == np.inf:
         kept = par.copy()
-        for start in range(9 * 4):
-            i, j = start // 4, start % 4
+        for start in range(12 * 6):
+            i, j = start // 6, start % 6
             for k in range(2):
-                reach = rooms[k] * 0.62**i
-                trial[k], trial[3 + k] = math.log(reach), 0.15 * j * reach
+                reach = rooms[k] * 0.7**i
+                trial[k], trial[3 + k] = math.log(reach), 0.1 * j * reach
             trial[2] = 0.0
             if (stop and j > 0) or not _within(trial, rooms, side):
                 continue
@@ -326,7 +326,7 @@ def search_joint(
                 kept[:] = trial
         par[:] = kept
     step = 0.3 if full else 0.1
-    while step > 0.02 and best < np.inf:
+    while step > 0.004 and best < np.inf:
         before = best
         for move in range(2 * (2 if stop else _MOVES.shape[0])):
             trial[:] = par
@@ -339,7 +339,7 @@ def search_joint(
                 trial, frame, ends, speeds, stop, cap, corridor, lim, samples, best, states,
                 durations,
             )  # fmt: skip
-            if time < best - 1e-3:
+            if time < best - 1e-4:
                 best = time
                 par[:] = trial
         if best == before:
