@@ -1,0 +1,40 @@
+"""What a node says about itself and about each UAV."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from jfto_msgs_py.ros.stamps import encode_time
+
+OK, WARN, ERROR, STALE = range(4)
+
+
+@dataclass(frozen=True)
+class Status:
+    """One status: about a UAV, or about the node where `uav_id` is ""; `level` is OK … STALE."""
+
+    uav_id: str
+    level: int
+    text: str
+    facts: Mapping[str, str] = field(default_factory=dict)
+
+
+def encode_diagnostics(node_name: str, stamp_ns: int, statuses: Sequence[Status]) -> Any:
+    """diagnostic_msgs/DiagnosticArray with a status per UAV and one for the node."""
+    from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+
+    message = DiagnosticArray()
+    message.header.stamp = encode_time(stamp_ns)
+    message.status = [
+        DiagnosticStatus(
+            level=bytes([status.level]),
+            name=f"{node_name}: {status.uav_id}" if status.uav_id else node_name,
+            message=status.text,
+            hardware_id=status.uav_id or "fleet",
+            values=[KeyValue(key=key, value=value) for key, value in status.facts.items()],
+        )
+        for status in statuses
+    ]
+    return message

@@ -1,0 +1,223 @@
+"""The planner in the graph: publishes each UAV's path and trajectory."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import Any
+
+from nav_msgs.msg import Path
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.task import Future
+from std_srvs.srv import Trigger
+from trajectory_msgs.msg import MultiDOFJointTrajectory
+
+from jfto_msgs_py.errors import InfeasibleError, InputError, JftoError, PlanError
+from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.plan_file import read_plan, write_plan
+from jfto_msgs_py.ros import qos, topics
+from jfto_msgs_py.ros.diagnostics import ERROR, OK, WARN, Status
+from jfto_msgs_py.ros.graph_node import GraphNode
+from jfto_msgs_py.ros.vehicle import encode_path, encode_trajectory
+from jfto_msgs_py.scenario import Scenario
+from jfto_msgs_py.scenario.key import param
+from jfto_planner.plan_job import PlanJob, Progress
+from jfto_planner.plan_trajectory import timed_paths, timed_trajectories
+
+PlanFunction = Callable[[Scenario, Progress], Plan]
+
+
+@dataclass(frozen=True)
+class PlannerOptions:
+    """The planner node's own parameters."""
+
+    autostart: bool = param(True, "Configure and activate at start.")
+    plan_file: str = param(
+        "", "Plan to load. If there is no such file, the scenario is planned and kept there."
+    )
+    start_time_s: float = param(
+        0.0,
+        "Lift-off, seconds since the epoch; 0: start_delay_s after the plan is there.",
+        unit="s",
+        low=0.0,
+        high=4e9,
+    )
+    start_delay_s: float = param(
+        5.0, "Time between a plan and its lift-off.", unit="s", low=0.0, high=86_400.0
+    )
+
+
+class PlannerNode(GraphNode[PlannerOptions]):
+    """Plans the scenario of its parameters with `plan`, or loads a plan with `load`."""
+
+    def __init__(
+        self,
+        plan: PlanFunction | None = None,
+        load: Callable[[FilePath], Plan] = read_plan,
+        **arguments: Any,
+    ) -> None:
+        self._make_plan = plan
+        self._load = load
+        self._plan: Plan | None = None
+        self._start_ns = 0
+        self._job: PlanJob | None = None
+        self._waiting: list[Future] = []
+        self._trouble = ""
+        super().__init__("planner_node", PlannerOptions, **arguments)
+
+    def check(self, scenario: Scenario, options: PlannerOptions) -> None:
+        """Refuse to be without any source of plans."""
+        del scenario
+        if self._make_plan is None and not options.plan_file:
+            raise InputError("plan_file is empty, and this node cannot plan. Name a plan file.")
+
+    def build(self, scenario: Scenario, options: PlannerOptions) -> None:
+        """Publishers per UAV and the service."""
+        self._scenario, self._options = scenario, options
+        self._paths = {
+            uav: self.create_lifecycle_publisher(Path, topics.path(uav), qos.latched())
+            for uav in scenario.fleet.ids
+        }
+        self._trajectories = {
+            uav: self.create_lifecycle_publisher(
+                MultiDOFJointTrajectory, topics.trajectory(uav), qos.latched()
+            )
+            for uav in scenario.fleet.ids
+        }
+        self.create_service(
+            Trigger, topics.REPLAN, self._on_replan, callback_group=ReentrantCallbackGroup()
+        )
+        self._finished = self.create_guard_condition(self._on_finished)
+
+    def activated(self) -> None:
+        """Publish the plan, which is loaded or made first if there is none."""
+        if self._plan is not None:
+            self._publish()
+        elif self._job is None:
+            self._begin(fresh=False)
+
+    def released(self) -> None:
+        """Call off what is being planned, and forget the plan."""
+        job, self._job = self._job, None
+        if job is not None:
+            job.call_off()
+        self._answer(success=False, text="The node was cleaned up.")
+        self._plan = None
+
+    def _begin(self, *, fresh: bool) -> None:
+        scenario, path = self._scenario, self._options.plan_file
+        file = FilePath(path) if path else None
+        make = self._make_plan
+        load = file is not None and (make is None or (file.exists() and not fresh))
+
+        def work(progress: Progress) -> Plan:
+            if load:
+                assert file is not None
+                return self._load(file)
+            assert make is not None
+            plan = make(scenario, progress)
+            if file is not None and (plan.certificate is None or plan.certificate.clean):
+                write_plan(plan, file)
+            return plan
+
+        self._trouble = ""
+        self._job = PlanJob(work, self._finished.trigger)
+
+    def _on_finished(self) -> None:
+        job, self._job = self._job, None
+        if job is None:
+            return
+        try:
+            if job.error is not None:
+                raise job.error
+            assert job.result is not None
+            self._take(job.result)
+        except JftoError as error:
+            self._trouble = str(error)
+            self.get_logger().error(f"No plan: {error}")
+            self._answer(success=False, text=str(error))
+            return
+        self._answer(success=True, text=self._summary())
+
+    def _take(self, plan: Plan) -> None:
+        """Publish a plan if it is for this fleet and sound."""
+        ids = tuple(uav.id for uav in plan.uavs)
+        if ids != self._scenario.fleet.ids:
+            raise PlanError(
+                f"The plan is for {', '.join(ids)}, the scenario for "
+                f"{', '.join(self._scenario.fleet.ids)}. Give both the same fleet."
+            )
+        if plan.slots.count != self._scenario.mission.slot_count:
+            raise PlanError(
+                f"The plan has {plan.slots.count} slots, mission.slot_count is "
+                f"{self._scenario.mission.slot_count}. Make them agree."
+            )
+        if plan.certificate is not None and not plan.certificate.clean:
+            first = plan.certificate.violations[0].message if plan.certificate.violations else ""
+            raise InfeasibleError(f"The plan breaks its constraints and is not published. {first}")
+        wanted_ns = round(self._options.start_time_s * 1e9)
+        self._plan = plan
+        self._start_ns = wanted_ns or self.now_ns() + round(self._options.start_delay_s * 1e9)
+        self.get_logger().info(self._summary())
+        self._publish()
+
+    def _publish(self) -> None:
+        assert self._plan is not None
+        for uav, trajectory in timed_trajectories(self._plan, self._start_ns).items():
+            self._trajectories[uav].publish(encode_trajectory(trajectory, uav))
+        for uav, path in timed_paths(self._plan, self._start_ns).items():
+            self._paths[uav].publish(encode_path(path))
+
+    def _summary(self) -> str:
+        plan = self._plan
+        assert plan is not None
+        return (
+            f"{len(plan.waypoints)} waypoints, {plan.total_length_m / 1000:.2f} km, "
+            f"{plan.slots.count} slots of {plan.slots.duration_s:.3f} s, "
+            f"lift-off at {self._start_ns / 1e9:.3f} s"
+        )
+
+    async def _on_replan(self, request: Any, response: Any) -> Any:
+        """Plan anew from the parameters; answers when the plan is published or has failed."""
+        del request
+        if not self.is_active:
+            response.message = "The planner is not active. Activate it first."
+        elif self._job is not None:
+            response.message = "The planner is at work already."
+        else:
+            answer: Future = Future()
+            self._waiting.append(answer)
+            self._begin(fresh=True)
+            response.success, response.message = await answer
+        return response
+
+    def _answer(self, *, success: bool, text: str) -> None:
+        waiting, self._waiting = self._waiting, []
+        for answer in waiting:
+            answer.set_result((success, text))
+
+    def statuses(self, now_ns: int) -> list[Status]:
+        """Whether there is a plan, and each UAV's share of it."""
+        facts = self.intake.facts("/")
+        if self._job is not None:
+            text = f"planning, {100 * self._job.share:.0f} % {self._job.note}".rstrip()
+            return [Status("", WARN, text, facts), *self._fleet(WARN, "being planned")]
+        if self._trouble:
+            return [Status("", ERROR, self._trouble, facts), *self._fleet(ERROR, "no plan")]
+        if self._plan is None:
+            return [Status("", WARN, "not active", facts), *self._fleet(WARN, "no plan")]
+        facts["elapsed_s"] = f"{(now_ns - self._start_ns) / 1e9:.1f}"
+        uavs = [
+            Status(
+                uav.id,
+                OK,
+                f"{len(route.waypoint_ids)} waypoints",
+                {"waypoints": str(len(route.waypoint_ids)), "length_m": f"{route.length_m:.1f}"},
+            )
+            for uav, route in zip(self._plan.uavs, self._plan.routes, strict=True)
+        ]
+        return [Status("", OK, self._summary(), facts), *uavs]
+
+    def _fleet(self, level: int, text: str) -> list[Status]:
+        return [Status(uav, level, text) for uav in self._scenario.fleet.ids]

@@ -1,0 +1,211 @@
+"""C-TOP in the graph: from plans and measured poses to adjacency and power intervals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import PoseStamped
+from std_msgs.msg import Float64MultiArray, UInt8MultiArray
+from trajectory_msgs.msg import MultiDOFJointTrajectory
+from visualization_msgs.msg import MarkerArray
+
+from jfto_msgs_py.ros import qos, topics
+from jfto_msgs_py.ros.diagnostics import ERROR, OK, STALE, WARN, Status
+from jfto_msgs_py.ros.graph_node import GraphNode
+from jfto_msgs_py.ros.network import encode_adjacency, encode_power_intervals
+from jfto_msgs_py.ros.vehicle import decode_pose, decode_trajectory
+from jfto_msgs_py.scenario import Scenario
+from jfto_msgs_py.scenario.key import param
+from jfto_msgs_py.units import dbm_to_w, ratio_to_db
+from jfto_topology.horizon import HorizonSettings, HorizonTopology, Links, TopologyHorizon
+from jfto_topology.markers import Scene, encode_markers
+from jfto_world.motion.fleet_plan import FleetPlan
+from jfto_world.motion.fleet_prediction import FleetPrediction
+from jfto_world.radio import make_channel, pairwise_distances
+
+
+@dataclass(frozen=True)
+class TopologyOptions:
+    """The topology node's own parameters."""
+
+    autostart: bool = param(True, "Configure and activate at start.")
+    horizon_slots: int = param(
+        0, "Slots solved ahead, the current one included; 0: all that are left.", low=0, high=10_000
+    )
+    stale_after_s: float = param(
+        3.0, "Age of a pose that takes its UAV out.", unit="s", low=0.01, high=3600.0
+    )
+    pose_wait_s: float = param(
+        0.2, "How long after a slot's beginning poses are waited for.", unit="s", low=0.0, high=60.0
+    )
+    markers: bool = param(True, "Publish markers for RViz and Foxglove.")
+
+
+class TopologyNode(GraphNode[TopologyOptions]):
+    """Publishes the topology of the slots ahead as soon as a slot's poses have come."""
+
+    def __init__(self, **arguments: Any) -> None:
+        self._horizon: TopologyHorizon | None = None
+        self._last: HorizonTopology | None = None
+        super().__init__("topology_node", TopologyOptions, **arguments)
+
+    def build(self, scenario: Scenario, options: TopologyOptions) -> None:
+        """Subscriptions per UAV, publishers, and the timer that ends waiting."""
+        radio, network = scenario.radio.record(), scenario.network
+        self._options, self._mission = options, scenario.mission
+        self._prediction = FleetPrediction()
+        self._plan = FleetPlan(scenario.fleet.ids)
+        p_max_w = dbm_to_w(np.array(scenario.fleet.p_max_dbm))
+        self._links = Links(
+            make_channel(radio),
+            dict(zip(scenario.fleet.ids, p_max_w.tolist(), strict=True)),
+            float(dbm_to_w(radio.sensitivity_dbm)),
+            network.k_min,
+            network.delta,
+        )
+        for uav in scenario.fleet.ids:
+            self.create_subscription(
+                MultiDOFJointTrajectory,
+                topics.trajectory(uav),
+                partial(self._on_trajectory, uav),
+                qos.latched(),
+            )
+            self.create_subscription(
+                PoseStamped, topics.pose(uav), partial(self._on_pose, uav), qos.sensor()
+            )
+        self._adjacency = self.create_lifecycle_publisher(
+            UInt8MultiArray, topics.ADJACENCY, qos.latched()
+        )
+        self._intervals = self.create_lifecycle_publisher(
+            Float64MultiArray, topics.POWER_INTERVAL, qos.latched()
+        )
+        self._markers = self.create_lifecycle_publisher(MarkerArray, topics.MARKERS, qos.latched())
+        self._deadline = self.create_timer(3600.0, self._step)
+        self._deadline.cancel()
+
+    def released(self) -> None:
+        """Forget plans and poses."""
+        self._horizon = self._last = None
+
+    def activated(self) -> None:
+        """Solve what is due."""
+        self._step()
+
+    def _on_trajectory(self, uav: str, message: Any) -> None:
+        trajectory = self.intake.take(topics.trajectory(uav), decode_trajectory, message)
+        if trajectory is None or not self._plan.take(uav, trajectory):
+            return
+        self._prediction.set_trajectory(uav, trajectory)
+        self._horizon = None
+        # Plans of one planning begin together; until all are there, the fleet has none.
+        if self._plan.complete:
+            slots = self._mission.slot_count
+            duration_s = self._mission.horizon_s or self._plan.duration_s
+            options = self._options
+            settings = HorizonSettings(
+                slots,
+                duration_s / slots,
+                options.horizon_slots,
+                options.stale_after_s,
+                min(options.pose_wait_s, 0.5 * duration_s / slots),
+            )
+            self._horizon = TopologyHorizon(self._prediction, self._links, settings)
+            self._step()
+
+    def _on_pose(self, uav: str, message: Any) -> None:
+        pose = self.intake.take(topics.pose(uav), decode_pose, message)
+        if pose is not None and self._prediction.set_pose(uav, pose):
+            self._step()
+
+    def _step(self) -> None:
+        """Solve and publish if the current slot is due; set the timer for when it must be."""
+        horizon = self._horizon
+        if horizon is None or not self.is_active:
+            return
+        now_ns = self.now_ns()
+        if horizon.due(now_ns):
+            self._last = horizon.solve(now_ns)
+            if self._last is not None:
+                self._publish(self._last, now_ns)
+        elif not self._deadline.is_canceled() and self._deadline.time_until_next_call() > 0:
+            return
+        slot = horizon.slot_at(now_ns)
+        until_ns = horizon.deadline_ns(slot) - now_ns
+        if until_ns <= 0 and slot < horizon.settings.slot_count:
+            until_ns = horizon.deadline_ns(slot + 1) - now_ns
+        if until_ns <= 0:
+            self._deadline.cancel()
+            return
+        self._deadline.timer_period_ns = until_ns
+        self._deadline.reset()
+
+    def _publish(self, found: HorizonTopology, now_ns: int) -> None:
+        self._adjacency.publish(encode_adjacency(found.adjacency))
+        self._intervals.publish(encode_power_intervals(found.intervals))
+        if self._options.markers:
+            now = np.array([now_ns])
+            uav_ids = self._plan.uav_ids
+            scene = Scene(
+                now_ns,
+                uav_ids,
+                {uav: self._plan.trajectory(uav).position_m for uav in uav_ids},
+                self._prediction.positions(uav_ids, now)[0],
+                found.adjacency.uav_ids,
+                found.adjacency.links[0],
+                self._margins_db(found),
+            )
+            self._markers.publish(encode_markers(scene))
+
+    def _margins_db(self, found: HorizonTopology) -> np.ndarray:
+        """What each pair could lose in the current slot, weaker end at greatest power, in dB."""
+        uav_ids, horizon = found.adjacency.uav_ids, found.adjacency.horizon
+        positions = self._prediction.positions(uav_ids, horizon.instants_ns[:1])
+        gain = self._links.channel.gain(pairwise_distances(positions))[0]
+        power_w = np.array([self._links.p_max_w[uav] for uav in uav_ids])
+        weaker_w = np.minimum(power_w[:, None], power_w[None, :])
+        return np.asarray(ratio_to_db(weaker_w * gain / self._links.sensitivity_w))
+
+    def statuses(self, now_ns: int) -> list[Status]:
+        """Who is linked how well, whose pose is stale, what was malformed."""
+        last, horizon = self._last, self._horizon
+        facts = self.intake.facts("/jfto/")
+        if horizon is None:
+            missing = self._plan.missing
+            node = Status("", WARN, f"waiting for trajectories of {', '.join(missing)}", facts)
+        elif last is None:
+            node = Status("", WARN, "fewer than two UAVs have a fresh pose", facts)
+        else:
+            first = last.adjacency.horizon.first
+            facts["last_slot"] = str(first)
+            weak = bool(last.topology.deficit[0].any() or not last.topology.connected[0])
+            text = f"slot {first}, not as connected as wanted" if weak else f"slot {first}"
+            node = Status("", ERROR if weak else OK, text, facts)
+        margins = None if last is None else self._margins_db(last)
+        return [node, *(self._about(uav, now_ns, margins) for uav in self._plan.uav_ids)]
+
+    def _about(self, uav: str, now_ns: int, margins_db: np.ndarray | None) -> Status:
+        facts = self.intake.facts(f"/{uav}/")
+        stamp_ns = self._prediction.pose_stamp_ns(uav)
+        if stamp_ns is None:
+            return Status(uav, STALE, "no pose yet", facts)
+        age_s = (now_ns - stamp_ns) / 1e9
+        facts |= {"pose_age_s": f"{age_s:.2f}", "lag_s": f"{self._prediction.lag_s(uav):.2f}"}
+        if age_s > self._options.stale_after_s:
+            return Status(uav, STALE, f"excluded: last pose is {age_s:.1f} s old", facts)
+        last = self._last
+        if last is None or margins_db is None or uav not in last.adjacency.uav_ids:
+            return Status(uav, WARN, "not part of a topology yet", facts)
+        index = last.adjacency.uav_ids.index(uav)
+        linked = last.adjacency.links[0, index]
+        facts["last_slot"] = str(last.adjacency.horizon.first)
+        facts["neighbours"] = str(int(linked.sum()))
+        if linked.any():
+            facts["margin_db"] = f"{margins_db[index][linked].min():.2f}"
+        if last.topology.deficit[0, index]:
+            return Status(uav, ERROR, f"has fewer than {last.k_min} neighbours", facts)
+        if uav in last.late:
+            return Status(uav, WARN, "predicted from a late pose", facts)
+        return Status(uav, OK, f"{int(linked.sum())} neighbours", facts)
