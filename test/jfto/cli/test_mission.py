@@ -1,0 +1,114 @@
+"""jfto mission, on files and on simulated vehicles."""
+
+from __future__ import annotations
+
+import socket
+from pathlib import Path
+
+import pytest
+
+from jfto.cli import main
+from jfto_mavlink.files.mission_file import read_mission
+from jfto_sim import VehicleConfig
+from jfto_sim.server import ServerSettings, SimServer
+
+
+@pytest.fixture
+def plan(tiny_run) -> Path:
+    """The tiny scene's plan, its scenario beside it."""
+    return tiny_run[0] / "plan.json"
+
+
+@pytest.fixture
+def vehicles():
+    """Four simulated vehicles that speak to one port, and the roster of them."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    configs = [VehicleConfig(sysid=n) for n in range(1, 5)]
+    settings = ServerSettings(((f"udpto:127.0.0.1:{port}",),) * 4)
+    roster = ",".join(f"uav{n}={n}@udpin:127.0.0.1:{port}" for n in range(1, 5))
+    with SimServer(configs, settings) as server:
+        yield server, roster
+
+
+@pytest.mark.parametrize("form", ["plan", "waypoints"])
+def test_missions_are_exported_for_other_stations(plan, tmp_path, capsys, form):
+    """One file per UAV, readable again, with its hash on the screen."""
+    assert main(["mission", "export", str(plan), "-o", str(tmp_path), "--format", form]) == 0
+    files = sorted(tmp_path.glob(f"uav?.{form}"))
+    assert len(files) == 4
+    assert all(len(read_mission(path).items) > 4 for path in files)
+    assert capsys.readouterr().out.count("items") == 4
+
+
+def test_a_mission_is_converted_and_compared(plan, tmp_path, capsys):
+    """.plan to .waypoints and back: nothing differs but the parameters that WPL cannot hold."""
+    assert main(["mission", "export", str(plan), "-o", str(tmp_path)]) == 0
+    first, second = str(tmp_path / "uav1.plan"), str(tmp_path / "uav1.waypoints")
+    assert main(["mission", "import", first, second]) == 0
+    capsys.readouterr()
+    assert main(["mission", "diff", first, second]) == 1
+    assert capsys.readouterr().out.splitlines() == ["- WPNAV_RADIUS 120", "1 lines differ"]
+    assert main(["mission", "diff", first, first]) == 0
+    assert main(["mission", "diff", first, str(tmp_path / "uav2.plan")]) == 1
+
+
+def test_a_mission_that_is_out_of_bounds_is_not_imported(tmp_path, capsys):
+    """The autopilot would store 500 m below home without a word."""
+    path = tmp_path / "deep.waypoints"
+    path.write_text(
+        "QGC WPL 110\n0 1 0 16 0 0 0 0 47.4 8.5 488 1\n1 0 3 22 0 0 0 0 0 0 10 1\n"
+        "2 0 3 16 0 0 0 0 47.4 8.5 -500 1\n"
+    )
+    assert main(["mission", "import", str(path)]) == 2
+    assert "item 2: height -500.0 m" in capsys.readouterr().err
+
+
+def test_upload_verify_and_clear_go_together(plan, vehicles, capsys):
+    """Uploaded it verifies, another style does not, cleared it does not any more."""
+    server, roster = vehicles
+    common = ["--vehicles", roster]
+    assert main(["mission", "upload", str(plan), *common]) == 0
+    assert "fleet released: 4 vehicles" in capsys.readouterr().out
+    assert main(["mission", "verify", str(plan), *common]) == 0
+    assert main(["mission", "verify", str(plan), *common, "--style", "hold"]) == 1
+    assert "differences" in capsys.readouterr().out
+    assert main(["mission", "clear", *common, "--yes"]) == 0
+    assert all(s.vehicle.store.count(0) == 0 for s in server.stations.values())
+    assert main(["mission", "verify", str(plan), *common]) == 1
+
+
+def test_a_vehicle_missing_from_the_roster_stops_everything(plan, vehicles, capsys):
+    """Before anything is sent."""
+    server, roster = vehicles
+    three = roster.rpartition(",")[0]
+    assert main(["mission", "upload", str(plan), "--vehicles", three]) == 2
+    assert "uav4: in the plan or in the roster, not in both" in capsys.readouterr().err
+    assert all(s.vehicle.store.count(0) == 0 for s in server.stations.values())
+
+
+def test_vehicles_are_given_a_signing_key(vehicles, tmp_path, capsys):
+    """Their frames carry a good signature afterwards; the key is on no screen."""
+    server, roster = vehicles
+    key = tmp_path / "fleet.key"
+    assert main(["mission", "sign", "--vehicles", roster, "--key", str(key), "--create"]) == 0
+    assert key.stat().st_mode & 0o777 == 0o600
+    secret = bytes.fromhex(key.read_text())
+    assert all(s.vehicle.key.secret == secret for s in server.stations.values())
+    printed = capsys.readouterr()
+    assert secret.hex() not in printed.out + printed.err
+
+
+@pytest.mark.parametrize(
+    ("vehicles_text", "words"),
+    [
+        ("sim:3", "must be sim:4"),
+        ("uav1=1@udp:h:1", "must begin with one of"),
+        ("uav1", "UAV=SYSID@LINK"),
+    ],
+)
+def test_a_wrong_roster_is_explained(plan, capsys, vehicles_text, words):
+    """Status 2 and one sentence."""
+    assert main(["mission", "upload", str(plan), "--vehicles", vehicles_text]) == 2
+    assert words in capsys.readouterr().err
