@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import types
-from typing import Any
 
 from jfto_dds.messages.definitions import FieldType
 
@@ -90,10 +89,24 @@ def slot_type(field: FieldType) -> AbstractType:
     return element
 
 
+_EXPORTED: tuple[type, ...] = (
+    AbstractType,
+    BasicType,
+    NamespacedType,
+    UnboundedString,
+    BoundedString,
+    AbstractNestedType,
+    Array,
+    AbstractSequence,
+    UnboundedSequence,
+    BoundedSequence,
+)
+for _class in _EXPORTED:
+    # Programs know these classes, and print them, by the name of their ROS module.
+    _class.__module__ = "rosidl_parser.definition"
+
+
 def fill_rosidl_parser(module: types.ModuleType) -> None:
     """Give ``rosidl_parser.definition`` its contents."""
-    for value in list(globals().values()):
-        if isinstance(value, type) and issubclass(value, AbstractType):
-            value.__module__ = "rosidl_parser.definition"
-            exported: Any = value
-            setattr(module, value.__name__, exported)
+    for exported in _EXPORTED:
+        setattr(module, exported.__name__, exported)

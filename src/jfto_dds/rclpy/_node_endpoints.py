@@ -13,7 +13,11 @@ from ._names import full_topic_problem, topic_problem, unknown_substitution
 from ._rclpy_pybind11 import DESTROYED_TEXT, RCLError
 from .client import Client
 from .constants import S_TO_NS
-from .event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
+from .event_handler import (
+    PublisherEventCallbacks,
+    SubscriptionEventCallbacks,
+    dds_callbacks,
+)
 from .exceptions import InvalidHandle
 from .guard_condition import GuardCondition
 from .publisher import Publisher
@@ -123,7 +127,7 @@ class NodeEndpoints:
             dds_topic,
             msg_type._TYPE_SUPPORT.full_name,
             settings,
-            callbacks={name: handler._notify for name, handler in handlers.items()},
+            callbacks=dds_callbacks(handlers),
         )
         publisher = publisher_class(
             self, msg_type, topic, topic_name, profile, writer, list(handlers.values())
@@ -168,7 +172,7 @@ class NodeEndpoints:
             msg_type._TYPE_SUPPORT.full_name,
             settings,
             subscription._on_data,
-            callbacks={name: handler._notify for name, handler in handlers.items()},
+            callbacks=dds_callbacks(handlers),
         )
         group.add_entity(subscription)
         self._subscriptions.append(subscription)

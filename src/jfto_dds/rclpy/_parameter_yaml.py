@@ -19,7 +19,6 @@ _SPECIAL = re.compile(r"([-+]?)\.(inf|Inf|INF|nan|NaN|NAN)")
 _NATIVE_TAGS = {
     "tag:yaml.org,2002:str": str,
     "tag:yaml.org,2002:float": float,
-    "tag:yaml.org,2002:int": int,
 }
 _KIND = {bool: "bool", int: "integer", float: "double", str: "string"}
 
@@ -89,7 +88,11 @@ def _value(node: yaml.Node) -> Any:
         # An empty list has no type, which reads as a parameter without value.
         return _sequence(node) or None
     if isinstance(node, yaml.ScalarNode):
-        return _scalar(node)
+        value = _scalar(node)
+        # rcl heeds this tag outside of lists only.
+        if getattr(node, "is_float", False) and type(value) is int:
+            return float(value)
+        return value
     msg = "Unknown YAML event"
     raise ParameterYamlError(msg)
 
@@ -99,12 +102,11 @@ class _Loader(yaml.SafeLoader):
 
     def compose_scalar_node(self, anchor: Any) -> yaml.ScalarNode:
         event: Any = self.peek_event()
-        node = super().compose_scalar_node(anchor)
+        node: Any = super().compose_scalar_node(anchor)
         wanted = _NATIVE_TAGS.get(event.tag)
         if wanted is str:
             node.style = '"'
-        elif wanted is float and isinstance(_plain(node.value), (int, float)):
-            node.value = repr(float(_plain(node.value)))
+        node.is_float = wanted is float
         return node
 
     def compose_node(self, parent: Any, index: Any) -> Any:

@@ -82,8 +82,8 @@ def remap_identity(rules: Sequence[Rule], kind: str, current: str, node_name: st
 def expand(name: str, node_name: str, namespace: str) -> str:
     """Make a legal name absolute."""
     root = "" if namespace == "/" else namespace
-    name = name.replace("{node}", node_name).replace("{ns}", root.lstrip("/"))
-    name = name.replace("{namespace}", root.lstrip("/"))
+    for token, meaning in (("{node}", node_name), ("{ns}", root), ("{namespace}", root)):
+        name = name.replace(token, meaning)
     if name.startswith("~"):
         return f"{root}/{node_name}{name[1:]}"
     if name.startswith("/"):

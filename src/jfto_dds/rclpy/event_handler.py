@@ -129,6 +129,8 @@ class _EventCallbacks:
     """What publisher and subscription callbacks have in common."""
 
     _EVENTS: dict[str, tuple[str, Callable[[Any], Any]]]
+    incompatible_type: Any
+    use_default_callbacks: bool
 
     def __init__(self, use_default_callbacks: bool, **callbacks: Any) -> None:
         for name, callback in callbacks.items():
@@ -151,7 +153,20 @@ class _EventCallbacks:
                 handlers[listener] = EventHandler(
                     callback_group=callback_group, callback=callback, convert=convert, wake=wake
                 )
+        if self.incompatible_type is not None or self.use_default_callbacks:
+            # Cyclone never reports this event, but rclpy has a handler for it.
+            handlers["incompatible_type"] = EventHandler(
+                callback_group=callback_group,
+                callback=self.incompatible_type or (lambda _event: None),
+                convert=_counts(rmw_incompatible_type_status_t),
+                wake=wake,
+            )
         return handlers
+
+
+def dds_callbacks(handlers: dict[str, EventHandler]) -> dict[str, Callable[..., None]]:
+    """The DDS listeners that feed handlers."""
+    return {name: handler._notify for name, handler in handlers.items() if name.startswith("on_")}
 
 
 class SubscriptionEventCallbacks(_EventCallbacks):

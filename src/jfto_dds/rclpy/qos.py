@@ -198,13 +198,20 @@ for _slot in QoSProfile.__slots__:
 
 class _PlainProfile:
     def __init__(self, profile: QoSProfile) -> None:
-        self._values = {slot[1:]: getattr(profile, slot) for slot in profile.__slots__}
+        # rclpy's order, which is not that of the slots.
+        names = ["depth", *(slot[1:] for slot in profile.__slots__ if slot != "_depth")]
+        self._values = {name: getattr(profile, name) for name in names}
 
     def to_dict(self) -> dict[str, Any]:
         return {
             key: int(value) if isinstance(value, enum.IntEnum) else value
             for key, value in self._values.items()
         }
+
+
+DeadlineBestAvailable = Duration(nanoseconds=_BEST_AVAILABLE_NS)
+# Misspelt in rclpy too.
+LivelinessLeaseDurationeBestAvailable = Duration(nanoseconds=_BEST_AVAILABLE_NS)
 
 
 def _unknown_profile() -> QoSProfile:
@@ -234,9 +241,9 @@ qos_profile_best_available = QoSProfile(
     depth=10,
     reliability=ReliabilityPolicy.BEST_AVAILABLE,
     durability=DurabilityPolicy.BEST_AVAILABLE,
-    deadline=Duration(nanoseconds=_BEST_AVAILABLE_NS),
+    deadline=DeadlineBestAvailable,
     liveliness=LivelinessPolicy.BEST_AVAILABLE,
-    liveliness_lease_duration=Duration(nanoseconds=_BEST_AVAILABLE_NS),
+    liveliness_lease_duration=LivelinessLeaseDurationeBestAvailable,
 )
 
 

@@ -33,5 +33,6 @@ def deserialize_message(serialized_message: bytes, message_type: Any) -> Any:
     try:
         return message_type._TYPE_SUPPORT.deserialize(serialized_message)
     except MalformedPayloadError as error:
-        msg = f"failed to deserialize ROS message: {error}"
+        # rmw's words; what exactly is wrong is in the cause.
+        msg = "failed to deserialize ROS message: rmw_serialize: invalid data size"
         raise RMWError(msg) from error

@@ -28,9 +28,8 @@ def set_message_fields(
         A value cannot be converted.
     """
     if expand_header_auto or expand_time_now:
-        if any(value in ("auto", "now") for value in values.values()):
-            text = "jfto_dds does not support 'auto' headers and 'now' stamps"
-            raise NotImplementedError(text)
+        text = "jfto_dds does not support 'auto' headers and 'now' stamps"
+        raise NotImplementedError(text)
     try:
         items = values.items()
     except AttributeError:

@@ -7,11 +7,12 @@ participant.
 
 from __future__ import annotations
 
+import ctypes
 import threading
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from cyclonedds._clayer import ddspy_take, ddspy_write
+from cyclonedds._clayer import ddspy_take
 from cyclonedds.core import (
     DDSException,
     Entity,
@@ -22,13 +23,20 @@ from cyclonedds.core import (
 )
 from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader
-from cyclonedds.topic import Topic
+from cyclonedds.topic import Sample, Topic
 
 from jfto_dds.wire.qos_settings import QosSettings, to_cyclone
 from jfto_dds.wire.user_data import parse_user_data
 
 _ANY = SampleState.Any | ViewState.Any | InstanceState.Any
 _INFINITE_NS = 2**63 - 1
+# The binding's own write keeps the interpreter locked. A reliable writer that waits for
+# acknowledgments would wait for ever: the thread that receives them needs the interpreter for
+# our listeners. Calls through ctypes unlock it.
+_dds_write = DataWriter._dll_handle.dds_write
+_dds_write.argtypes, _dds_write.restype = [ctypes.c_int32, ctypes.c_void_p], ctypes.c_int32
+_dds_assert_liveliness = DataWriter._dll_handle.dds_assert_liveliness
+_dds_assert_liveliness.argtypes, _dds_assert_liveliness.restype = [ctypes.c_int32], ctypes.c_int32
 # The binding converts QoS through class-wide scratch memory; two threads at once corrupt it.
 QOS_LOCK = threading.RLock()
 
@@ -107,7 +115,10 @@ class Writer(_Endpoint):
         """Send one payload; raises EntityClosedError or DDSException."""
         self._require()
         padding = -len(payload) % 4
-        result = ddspy_write(self._reference, payload + bytes(padding) if padding else payload)
+        if padding:
+            payload += bytes(padding)
+        sample = Sample(ctypes.cast(ctypes.c_char_p(payload), ctypes.c_void_p), len(payload))
+        result = _dds_write(self._reference, ctypes.byref(sample))
         if result < 0:
             raise DDSException(result, "while writing")
 
@@ -127,12 +138,7 @@ class Writer(_Endpoint):
 
     def assert_liveliness(self) -> None:
         """Say that the writer is alive, for manual liveliness."""
-        import ctypes
-
-        entity = self._require()
-        call = entity._dll_handle.dds_assert_liveliness
-        call.argtypes, call.restype = [ctypes.c_int32], ctypes.c_int32
-        result = call(entity._ref)
+        result = _dds_assert_liveliness(self._require()._ref)
         if result < 0:
             raise DDSException(result, "while asserting liveliness")
 

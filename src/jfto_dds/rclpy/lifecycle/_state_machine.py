@@ -75,12 +75,12 @@ class StateMachine:
     """Keeps the current state; ``on_transition`` hears of every change."""
 
     def __init__(self, on_transition: Callable[[Transition], None]) -> None:
-        self.current = STATES["unconfigured"]
+        self.current_state = STATES["unconfigured"]
         self._on_transition = on_transition
 
     def available(self) -> list[Transition]:
         """Transitions that are legal now."""
-        return [transition for transition in TRANSITIONS if transition.start == self.current]
+        return [transition for transition in TRANSITIONS if transition.start == self.current_state]
 
     def id_of(self, label: str) -> int | None:
         """Number of the legal transition with this label."""
@@ -102,5 +102,5 @@ class StateMachine:
                 "Transition is not registered."
             )
             raise RCLError(msg)
-        self.current = found[0].goal
+        self.current_state = found[0].goal
         self._on_transition(found[0])

@@ -181,7 +181,7 @@ class LifecycleNodeMixin(ManagedEntity):
         return self.destroy_publisher(publisher)
 
     def _run_callback(self, previous: LifecycleState) -> Any:
-        callback = self._transition_callbacks.get(self._state_machine.current.label)
+        callback = self._transition_callbacks.get(self._state_machine.current_state.label)
         if callback is None:
             return TransitionCallbackReturn.SUCCESS
         try:
@@ -192,7 +192,7 @@ class LifecycleNodeMixin(ManagedEntity):
             return TransitionCallbackReturn.ERROR
 
     def _change_state(self, transition_id: int) -> TransitionCallbackReturn:
-        before = self._state_machine.current
+        before = self._state_machine.current_state
         previous = LifecycleState(state_id=before.id, label=before.label)
         self._state_machine.trigger_id(transition_id)
         result = self._run_callback(previous)
@@ -214,7 +214,7 @@ class LifecycleNodeMixin(ManagedEntity):
         return response
 
     def _on_get_state(self, _request: Any, response: Any) -> Any:
-        response.current_state = _state_message(self._state_machine.current)
+        response.current_state = _state_message(self._state_machine.current_state)
         return response
 
     def _on_states(self, _request: Any, response: Any) -> Any:
