@@ -51,7 +51,7 @@ set_up() {
     rm -f "$venv/stamp"
     if ! "$venv/bin/python" -m pip install --disable-pip-version-check --quiet \
         --constraint constraints.txt --editable '.[bench,dev]' >"$log" 2>&1; then
-        fail "failed." "$(grep -v '^WARNING' "$log" | tail -n 8)" \
+        fail "failed." "$(grep -iE '^ *error' "$log" | tail -n 5)" \
             "Check the network connection and the log .venv/setup.log, then run this again."
     fi
     wanted_stamp >"$venv/stamp"
