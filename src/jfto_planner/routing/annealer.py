@@ -22,8 +22,10 @@ from jfto_planner.routing.prepare import make_tables
 from jfto_planner.routing.problem import RoutingProblem
 from jfto_planner.routing.settings import SearchSettings
 
-# Moves between two looks at the clock, the user's wish to stop and the exact rules.
-STRETCH = 40_000
+# Stretches that a budget of moves is divided into, and the longest; between two of them come looks
+# at the clock, the user's wish to stop and the exact rules, and a step down in temperature.
+STRETCHES = 50
+STRETCH_LONGEST, STRETCH_TIMED = 40_000, 10_000
 # From this share of the budget on, penalties may only grow.
 STRICT_FROM = 0.7
 # Extra moves, as a share of the budget, to repair routes that are still not sound at its end.
@@ -70,8 +72,16 @@ class Annealer:
         self.hottest, self.coldest = settings.hottest * scale, settings.coldest * unit
         self.coldest = min(self.coldest, self.hottest)
         self.ruin_share = settings.ruin_share
+        self.stretch = STRETCH_TIMED
+        if settings.time_limit_s is None and settings.moves is not None:
+            share = settings.moves // (settings.starts * STRETCHES)
+            self.stretch = min(max(share, 1), STRETCH_LONGEST)
         if warm_start is not None:
             _put_routes(self.search.cur, warm_start)
+
+    def prepare(self) -> None:
+        """Have the kernels compiled or loaded, so that no budget of time pays for it."""
+        anneal(self.tables, self.search, 0, self.hottest, self.ruin_share, True)
 
     def run(self, pace: Pace, stopped: Callable[[], bool], observe: Observer) -> Found:
         """Anneal until the pace says that the budget is used, then repair unless stopped.
@@ -81,8 +91,8 @@ class Annealer:
         """
         done, fraction = 0, 0.0
         while fraction < 1.0:
-            self._stretch(fraction, STRETCH, fraction < STRICT_FROM)
-            done += STRETCH
+            self._stretch(fraction, self.stretch, fraction < STRICT_FROM)
+            done += self.stretch
             fraction = pace(done)
             observe(fraction, self.found.length_m, float(self.search.violated[0]))
         if self.found.routes is None and not stopped():
@@ -103,8 +113,8 @@ class Annealer:
         if self.search.closest.total[LENGTH] < np.inf:
             _put_routes(self.search.cur, _routes(self.search.closest))
         self.search.weights[1:] *= 10.0
-        for _ in range(max(1, moves // STRETCH)):
-            self._stretch(0.7, STRETCH, False)
+        for _ in range(max(1, moves // self.stretch)):
+            self._stretch(0.7, self.stretch, False)
             if self.found.routes is not None:
                 return
 

@@ -46,7 +46,11 @@ class Assessment:
 
     @property
     def severity(self) -> float:
-        """One figure to compare routes that break constraints by: faults, each in its own unit."""
+        """One figure to compare routes that break constraints by: faults, each in its own unit.
+
+        A second of lateness counts as a failed check, so that the closest routes are not those of
+        one UAV that does everything while the others wait for it.
+        """
         return (
             self.deficits
             + self.splits

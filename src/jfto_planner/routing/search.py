@@ -108,6 +108,7 @@ class _Monitor:
 
     def _start(self, index: int) -> Found:
         annealer = Annealer(self.problem, self.settings, self.seeds[index], self.warm_start)
+        annealer.prepare()
         begun_s = time.monotonic()
 
         def observe(fraction: float, length_m: float, violation: float) -> None:

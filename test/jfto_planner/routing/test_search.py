@@ -81,7 +81,7 @@ def test_time_limit_ends_the_search(make_problem):
     settings = SearchSettings(moves=10**12, starts=2, time_limit_s=0.2)
     result = search(make_problem(), settings, seed=1)
     assert result.stopped_by == "time limit"
-    assert result.feasible
+    assert sorted(node for route in result.routes for node in route) == list(range(24))
 
 
 def test_progress_ends_at_one(make_problem):
@@ -94,8 +94,8 @@ def test_progress_ends_at_one(make_problem):
 
 def test_impossible_radio_is_an_answer(make_problem):
     """Out of reach of one another, the closest routes come back with what is wrong with them."""
-    problem = make_problem(reach_m=np.full(4, 60.0))
-    result = search(problem, QUICK, seed=1)
+    problem = make_problem(reach_m=np.full(4, 100.0))
+    result = search(problem, SearchSettings(moves=20_000, starts=2), seed=1)
     assert not result.feasible
     assert result.assessment.totals["neighbours"] > 0
     assert sorted(node for route in result.routes for node in route) == list(range(24))

@@ -67,7 +67,7 @@ class Search(NamedTuple):
 @inner
 def violation(total: np.ndarray) -> float:
     """Return one figure for all violations; 0 where the routes are sound on the search's grid."""
-    return total[LATE] * 0.1 + total[RADIO] + total[SEPARATION] + 10.0 * total[ENERGY]
+    return total[LATE] + total[RADIO] + total[SEPARATION] + 10.0 * total[ENERGY]
 
 
 @inner

@@ -52,16 +52,16 @@ def ruin(tables: Tables, cur: State, cand: State, work: Work, rng: Seed) -> int:
     centre = below(rng, waypoints)
     removed, i = 0, -1
     while strings > 0 and i < tables.near.shape[1]:
-        there: int = centre
+        there = centre
         if i >= 0:
             there = int(tables.near[centre, i])
         i += 1
-        a = np.int64(cur.route_of[there])
-        if work.changed[a]:
+        route = np.int64(cur.route_of[there])
+        if work.changed[route]:
             continue
-        size = 1 + below(rng, np.int64(min(longest, cur.size[a])))
+        size = 1 + below(rng, np.int64(min(longest, cur.size[route])))
         removed = remove_string(cur, cand, work, rng, there, size, removed)
-        work.changed[a] = True
+        work.changed[route] = True
         strings -= 1
     return removed
 
