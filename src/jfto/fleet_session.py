@@ -5,7 +5,7 @@ from __future__ import annotations
 import socket
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -49,12 +49,15 @@ def open_fleet(
     key_file: Path | None = None,
     on_event: Callable[[Event], None] | None = None,
     grounds: Mapping[str, PadGround] | None = None,
+    complete: bool = True,
 ) -> Iterator[FleetSession]:
     """Open a fleet and wait until all of it is heard.
 
     `vehicles` is ("sim:N",), whose vehicles stand on `pads` (UAV name: latitude, longitude, height
     above sea level) over `grounds` and run `speedup` times faster than the clock, or entries of a
-    roster such as uav1=1@udpin:0.0.0.0:14550. Raises RosterError, LinkError, SigningError.
+    roster such as uav1=1@udpin:0.0.0.0:14550. With `complete` off, real vehicles that are not
+    heard are no reason to stop: the others can still be called home. Raises RosterError, LinkError,
+    SigningError.
     """
     if len(vehicles) == 1 and vehicles[0].startswith(SIMULATED):
         if key_file is not None:
@@ -74,7 +77,11 @@ def open_fleet(
         )
     signer = None if key_file is None else load_signer(key_file)
     with Bridge(roster, signer=signer, log_directory=log_directory, on_event=on_event) as bridge:
-        bridge.wait_heard(HEARD_WAIT_S)
+        if complete:
+            bridge.wait_heard(HEARD_WAIT_S)
+        else:
+            with suppress(RosterError):
+                bridge.wait_heard(HEARD_WAIT_S / 6)
         yield FleetSession(bridge, bridge.clock, simulated=False)
 
 

@@ -19,6 +19,7 @@ from jfto_mavlink.link.signing import Signer
 from jfto_mavlink.link.transport import Peer, Received
 from jfto_mavlink.roster import Roster, RosterEntry
 from jfto_mavlink.streams import DEFAULT_RATES
+from jfto_mavlink.vehicle import Vehicle as VehicleState
 from jfto_mavlink.watch import Event
 from jfto_sim import LinkFaults, Vehicle
 from jfto_sim.faults import LossyPipe
@@ -186,6 +187,10 @@ class Rehearsal:
         """Begin a conversation that goes on while time passes."""
         tell = report or (lambda _uav, _report: None)
         return self.hub.submit(uav, job, lambda step: tell(uav, step))
+
+    def vehicle(self, uav: str) -> VehicleState:
+        """State of a vehicle as last heard."""
+        return self.hub.vehicle(uav)
 
     def _step(self) -> None:
         self.now_s += self.step_s

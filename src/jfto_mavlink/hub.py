@@ -29,6 +29,8 @@ TIMESYNC_EVERY_S = 1.0
 SILENT_S = 3.0
 ASK_AGAIN_S = 5.0
 FOREIGN_KEPT = 256
+# Never written to a log: it holds the signing key.
+SECRET = frozenset((mavlink.MAVLINK_MSG_ID_SETUP_SIGNING,))
 NS = 1_000_000_000
 
 Transmit = Callable[[LinkAddress, Peer, Message], bytes]
@@ -177,7 +179,8 @@ class Hub:
 
     def _send(self, track: Track, message: Message) -> None:
         raw = self._transmit(track.entry.link, track.identity.peer, message)
-        self._log(track.entry.uav, raw)
+        if message.get_msgId() not in SECRET:
+            self._log(track.entry.uav, raw)
 
     def _heartbeat(self) -> None:
         message = mavlink.MAVLink_heartbeat_message(

@@ -9,7 +9,7 @@ import pytest
 
 from jfto.rehearsal import CLEAN, Rehearsal
 from jfto_mavlink.dialect import mavlink
-from jfto_mavlink.errors import CommandError, FlightError, RosterError, TransferError
+from jfto_mavlink.errors import CommandError, FlightError, RosterError, SigningError, TransferError
 from jfto_mavlink.fleet.release import deliver_to_fleet
 from jfto_mavlink.link.port import Station
 from jfto_mavlink.link.signing import Signer
@@ -19,6 +19,7 @@ from jfto_mavlink.mission.fence import Circle, Fence, RallyPoint, fence_items, r
 from jfto_mavlink.mission.item import MISSION, Item, Mission
 from jfto_mavlink.mission.upload import upload
 from jfto_mavlink.parameter import read_parameter, set_parameter
+from jfto_mavlink.signing_setup import setup_signing
 from jfto_sim import LinkFaults, Vehicle, VehicleConfig
 
 KEY = hashlib.sha256(b"test key one").digest()
@@ -298,3 +299,27 @@ def test_link_loss_and_return_are_told():
     runner.air.set_faults(1, CLEAN, CLEAN)
     runner.advance(3.0)
     assert told[-1] == "link"
+
+
+def test_a_vehicle_is_given_its_key_and_proves_it_without_the_key_in_the_log():
+    """From then on it signs; the log of the link holds everything but the key."""
+    logged = bytearray()
+    runner = fleet(log=lambda _uav, raw: logged.extend(raw))
+    runner.advance(3.0)
+    unix = VehicleConfig().utc_at_boot_us / 1e6
+    signer = Signer(KEY, lambda: unix + runner.now_s)
+    assert runner.run({"uav1": lambda context: setup_signing(context, signer)}) == {"uav1": None}
+    assert runner.vehicles["uav1"].key.secret == KEY
+    assert len(logged) > 1000
+    assert KEY not in bytes(logged)
+
+
+def test_a_vehicle_that_does_not_take_its_key_is_named():
+    """Its link cut one way, it never signs."""
+    runner = fleet()
+    runner.advance(3.0)
+    runner.air.set_faults(1, LinkFaults(cut=True), CLEAN)
+    signer = Signer(KEY, lambda: VehicleConfig().utc_at_boot_us / 1e6)
+    error = runner.run({"uav1": lambda context: setup_signing(context, signer)})["uav1"]
+    assert isinstance(error, SigningError)
+    assert "uav1: does not sign" in str(error)

@@ -20,6 +20,7 @@ from jfto.cli.mission_options import (
 from jfto.cli.options import debug_option
 
 if TYPE_CHECKING:
+    from jfto.fleet_session import FleetSession
     from jfto_mavlink.flight.follow import FlightRecord
 
 
@@ -45,6 +46,7 @@ def command(plan: Path, out: Path | None, stagger: float, yes: bool, debug: bool
     \b
     Example:  jfto fly plan.json --vehicles sim:3 --speedup 10
     """
+    from jfto.cli.failure import EXIT_INTERRUPTED
     from jfto.cli.flight_screen import FlightScreen
     from jfto.fleet_session import grounds, open_fleet
     from jfto.flight_log import flight_object, new_flight_directory
@@ -70,12 +72,27 @@ def command(plan: Path, out: Path | None, stagger: float, yes: bool, debug: bool
         if not session.simulated and not yes:
             click.confirm(f"Start {len(missions)} vehicles?", abort=True)
         settings = FlySettings(stagger, GateSettings())
-        records = fly_fleet(
-            session.runner, session.clock, release, missions, settings, screen.report
-        )
+        try:
+            records = fly_fleet(
+                session.runner, session.clock, release, missions, settings, screen.report
+            )
+        except KeyboardInterrupt:
+            _say_interrupted(session)
+            return EXIT_INTERRUPTED
     flight = flight_object(records, screen.events)
     (directory / "flight.json").write_text(json.dumps(flight, indent=1) + "\n", encoding="utf-8")
     return _show(records, choices["within"], directory)
+
+
+def _say_interrupted(session: FleetSession) -> None:
+    """Nobody follows the vehicles any more: say what each of them does, and how to stop it."""
+    click.echo("Interrupted. Nothing was sent to the vehicles:", err=True)
+    for uav in session.runner.roster.uavs:
+        vehicle = session.runner.vehicle(uav)
+        state = "armed" if vehicle.armed else "disarmed"
+        click.echo(f"  {uav}  {state}, {vehicle.mode_name}", err=True)
+    if not session.simulated:
+        click.echo("Call them home: jfto mission order return --vehicles …", err=True)
 
 
 def _show(records: dict[str, FlightRecord], within_m: float, directory: Path) -> int:

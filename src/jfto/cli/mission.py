@@ -190,7 +190,44 @@ def sign(key_file: Path, create: bool, debug: bool, **choices: Any) -> int:  # n
     return _show_differences(results)
 
 
-def _session(choices: dict[str, Any], missions: dict[str, Any]) -> Any:
+@command.command("order")
+@click.argument("order", type=click.Choice(["pause", "resume", "hold", "return", "land"]))
+@vehicles_option
+@key_option
+@click.option("--only", metavar="UAV", multiple=True, help="These vehicles; all if left out.")
+@debug_option
+def order_command(order: str, only: tuple[str, ...], debug: bool, **choices: Any) -> int:  # noqa: ARG001
+    """Tell flying vehicles to pause, resume, hold, return home or land, and see them do it.
+
+    Vehicles that are not heard do not keep the others from being told.
+    """
+    from jfto.cli.flight_screen import FlightScreen
+    from jfto_mavlink.errors import RosterError
+    from jfto_mavlink.exchange import Context, Exchange
+    from jfto_mavlink.flight import control
+
+    orders = {
+        "pause": control.pause,
+        "resume": control.resume,
+        "hold": control.brake,
+        "return": control.return_home,
+        "land": control.land,
+    }
+
+    def job(context: Context) -> Exchange[tuple[str, ...]]:
+        yield from orders[order](context)
+        return ()
+
+    with _session(choices, {}, complete=False) as session, FlightScreen() as screen:
+        uavs = session.runner.roster.uavs
+        unknown = set(only) - set(uavs)
+        if unknown:
+            raise RosterError(205, f"{', '.join(sorted(unknown))}: not in the roster.")
+        results = session.runner.run(dict.fromkeys(only or uavs, job), screen.report)
+    return _show_differences(results)
+
+
+def _session(choices: dict[str, Any], missions: dict[str, Any], *, complete: bool = True) -> Any:
     from jfto.fleet_session import open_fleet
 
     return open_fleet(
@@ -198,6 +235,7 @@ def _session(choices: dict[str, Any], missions: dict[str, Any]) -> Any:
         {uav: mission.home_deg_m for uav, mission in missions.items()},
         speedup=choices.get("speedup", 1.0),
         key_file=choices["key_file"],
+        complete=complete,
     )
 
 

@@ -12,6 +12,7 @@ from jfto_mavlink.mission.deliver import Delivered, deliver
 from jfto_mavlink.mission.item import Mission
 from jfto_mavlink.mission.transfer import Patience
 from jfto_mavlink.roster import Roster
+from jfto_mavlink.vehicle import Vehicle
 
 T = TypeVar("T")
 Reporter = Callable[[str, Report], None]
@@ -28,6 +29,9 @@ class Runner(Protocol):
         report: Reporter | None = None,
     ) -> dict[str, T | Exception]:
         """Result or error per vehicle."""
+
+    def vehicle(self, uav: str) -> Vehicle:
+        """State of a vehicle as last heard."""
 
 
 @dataclass(frozen=True)

@@ -112,3 +112,15 @@ def test_a_wrong_roster_is_explained(plan, capsys, vehicles_text, words):
     """Status 2 and one sentence."""
     assert main(["mission", "upload", str(plan), "--vehicles", vehicles_text]) == 2
     assert words in capsys.readouterr().err
+
+
+def test_orders_reach_the_vehicles_named_and_no_others(vehicles, capsys):
+    """Seen to work, or said why not; a stranger in the list stops everything."""
+    server, roster = vehicles
+    common = ["--vehicles", roster]
+    assert main(["mission", "order", "hold", *common, "--only", "uav2"]) == 0
+    modes = [server.stations[n].vehicle.mode.number for n in (1, 2)]
+    assert modes == [0, 17]
+    assert main(["mission", "order", "pause", *common, "--only", "uav1"]) == 1
+    assert "only a mission can be paused" in capsys.readouterr().err
+    assert main(["mission", "order", "hold", *common, "--only", "uav9"]) == 2
