@@ -52,7 +52,7 @@ def _draw_degree(axes: Axes, plan: Plan, comparison: Comparison) -> None:
         color="#0072B2",
     )
     axes.set_xlim(0, plan.slots.count)
-    axes.set_ylim(0, len(plan.uavs) - 0.5)
+    axes.set_ylim(0, max(len(plan.uavs) - 0.5, plan.k_min + plan.delta + 0.6))
     axes.set_xlabel("Slot n")
     axes.set_ylabel("Neighbours, mean over UAVs")
     axes.set_title("(a) Degree", loc="left")

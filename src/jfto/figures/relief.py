@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.patches import Rectangle
+from matplotlib.transforms import ScaledTranslation, Transform
 from numpy.typing import NDArray
 
 from jfto_world.terrain import Dem
@@ -117,12 +118,20 @@ def draw_scale_bar(axes: Axes, points_m: Array | None = None) -> None:
 
 def draw_north_arrow(axes: Axes, *, outside: bool = False) -> None:
     """North arrow right of the map or in its upper right corner; maps have north up."""
-    x, y = (1.10, 0.16) if outside else (0.955, 0.975)
+    # Anchored to a corner at a fixed distance in points, whatever the map's proportions.
+    corner, right_pt, up_pt = ((1.0, 0.0), 34.0, 62.0) if outside else ((1.0, 1.0), -12.0, -6.0)
+
+    def place(offset_pt: float) -> Transform:
+        assert axes.figure is not None
+        shift = ScaledTranslation(right_pt / 72, offset_pt / 72, axes.figure.dpi_scale_trans)
+        return axes.transAxes + shift
+
     axes.annotate(
         "N",
-        xy=(x, y),
-        xytext=(x, y - 0.085),
-        xycoords="axes fraction",
+        xy=corner,
+        xycoords=place(up_pt),
+        xytext=corner,
+        textcoords=place(up_pt - 24),
         ha="center",
         va="center",
         fontsize=8,

@@ -34,9 +34,9 @@ def topology_panels(plan: Plan, comparison: Comparison, dem: Dem, slot: int) -> 
         _draw_uavs(axes, plan, result, slot)
         degree = result.degree[slot]
         rate = f"{result.linked.throughput_bps[slot] / 1e6:,.0f}".replace(",", "\u202f")
+        span = f"{degree.min()} to {degree.max()}" if np.ptp(degree) else f"{degree.min()}"
         axes.set_title(
-            f"({'abcd'[index]}) {result.name}: {degree.min()} to {degree.max()} neighbours, "
-            f"{rate} Mb/s",
+            f"({'abcd'[index]}) {result.name}: {span} neighbours, {rate} Mb/s",
             loc="left",
         )
     for axes in grid[-1]:

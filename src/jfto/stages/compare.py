@@ -35,7 +35,7 @@ def compare(plan: Plan, n_dc: int, watcher: Watcher) -> Comparison:
     watcher.end(
         "topology",
         f"{plan.slots.count} slots",
-        f"degree {degree.min()}–{degree.max()}, "
+        f"degree {_span(degree.min(), degree.max())}, "
         + ("always connected" if topology.connected.all() else "not always connected")
         + (f", δ exceeded {topology.over_degree.sum()} ×" if topology.over_degree.any() else ""),
         good=bool(topology.connected.all() and not topology.deficit.any()),
@@ -47,7 +47,7 @@ def compare(plan: Plan, n_dc: int, watcher: Watcher) -> Comparison:
     watcher.end(
         "power",
         f"{ours.linked.mean_throughput_mbps:.4g} Mb/s",
-        f"energy {share.min():.0f}–{share.max():.0f} % of budget",
+        f"energy {_span(round(share.min()), round(share.max()))} % of budget",
         good=ours.traverses_all,
     )
     watcher.begin("compare", "MTP, A-LMST, CPAPO")
@@ -158,6 +158,10 @@ def _topology_notes(plan: Plan, topology: Topology) -> list[str]:
     if apart.size:
         notes.append(f"The fleet is not connected in {_slots_text(apart)}.")
     return notes
+
+
+def _span(low: int, high: int) -> str:
+    return f"{low}" if low == high else f"{low}–{high}"
 
 
 def _slots_text(slots: NDArray[np.intp]) -> str:
