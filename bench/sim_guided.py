@@ -66,7 +66,7 @@ def main() -> None:
             error = np.linalg.norm(track - reference, axis=-1)
             cells.append(f"{math.sqrt(np.mean(error**2)):6.2f} / {error.max():5.2f}")
         apart = math.sqrt(np.mean(np.sum((flown[:, :2] - truth) ** 2, -1)))
-        print(f"{fields:6} {cells[0]:>42} {cells[1]:>16} {apart:12.2f}", flush=True)
+        print(f"{fields:6} {cells[0]:>20} {cells[1]:>20} {apart:10.2f}", flush=True)
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from jfto_sim.arming import FORCE
 from jfto_sim.dialect import ACCEPTED, DENIED, FAILED, INFO, UNSUPPORTED, Message, mavlink
+from jfto_sim.mission.items import LOCATION_ALT_MAX_M
 from jfto_sim.modes.numbers import Mode
 from jfto_sim.streams import KNOWN, SENDABLE
 
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 _FASTEST_US = 3000
 _SET_MODE_COMMAND = 11
 _CUSTOM_MODE = 1
+_WHOLE_MAX, _SPEED_MAX_MPS = 2.0**31, 1000.0
 
 
 @dataclass(frozen=True)
@@ -32,8 +34,10 @@ class Command:
     frame: int
     port: int
 
-    def __str__(self) -> str:
-        return f"command {self.number}"
+    def whole(self, k: int) -> int:
+        """Parameter k (from 0) as a whole number, 0 where it is not one."""
+        value = self.p[k]
+        return int(value) if abs(value) < _WHOLE_MAX else 0
 
 
 def from_message(m: Message, port: int) -> Command:
@@ -116,14 +120,12 @@ class Commands:
         return ACCEPTED if self.vehicle.set_mode(int(number)) else FAILED
 
     def _do_set_mode(self, c: Command) -> int:
-        if not (math.isfinite(c.p[0]) and math.isfinite(c.p[1])):
-            return DENIED
-        return self._mode(c.p[1], int(c.p[0]))
+        return self._mode(c.whole(1), c.whole(0))
 
     def _takeoff(self, c: Command) -> int:
         v = self.vehicle
         ready = v.arming.armed and v.body.landed and v.mode.number == Mode.GUIDED
-        if not ready or not math.isfinite(c.z) or c.z <= 0:
+        if not ready or not 0 < c.z < LOCATION_ALT_MAX_M:
             return FAILED
         v.guided.begin_takeoff(v.home_m[2] + c.z)
         return ACCEPTED
@@ -161,11 +163,11 @@ class Commands:
         return ACCEPTED
 
     def _change_speed(self, c: Command) -> int:
-        if not c.p[1] > 0:
+        if not 0 < c.p[1] < _SPEED_MAX_MPS:
             return FAILED
         v = self.vehicle
         if v.mode.number == Mode.AUTO:
-            v.auto.change_speed(c.p[1], int(c.p[0]))
+            v.auto.change_speed(c.p[1], c.whole(0))
         else:
             v.speed_override_mps = c.p[1]
         return ACCEPTED
@@ -179,7 +181,7 @@ class Commands:
     def _reposition(self, c: Command) -> int:
         v = self.vehicle
         if v.mode.number != Mode.GUIDED:
-            if not int(c.p[1]) & 1:
+            if not c.whole(1) & 1:
                 return DENIED
             if not v.set_mode(Mode.GUIDED):
                 return FAILED
@@ -205,6 +207,8 @@ class Commands:
         if c.p[0] == 1:
             v.move_home()
         elif c.x or c.y:
+            if not abs(c.z) < LOCATION_ALT_MAX_M:
+                return FAILED
             v.set_home(c.x, c.y, c.z)
         else:
             return FAILED
@@ -249,7 +253,7 @@ class Commands:
     # --- messages, identity, power ---
 
     def _get_interval(self, c: Command) -> int:
-        message_id = int(c.p[0]) if math.isfinite(c.p[0]) else -1
+        message_id = c.whole(0)
         port = self.vehicle.ports[c.port]
         if message_id not in KNOWN:
             found, result = 0, FAILED
@@ -257,7 +261,7 @@ class Commands:
             interval = port.intervals.get(message_id)
             found = -1 if interval is None else round(interval.period_s * 1e6)
             result = ACCEPTED
-        answer = mavlink.MAVLink_message_interval_message(max(0, message_id) & 0xFFFF, found)
+        answer = mavlink.MAVLink_message_interval_message(message_id & 0xFFFF, found)
         self.vehicle.send(c.port, answer)
         return result
 
@@ -265,7 +269,7 @@ class Commands:
         v = self.vehicle
         if not (math.isfinite(c.p[0]) and math.isfinite(c.p[1])):
             return DENIED
-        message_id, wanted_us = int(c.p[0]), c.p[1]
+        message_id, wanted_us = c.whole(0), c.p[1]
         if message_id not in KNOWN:
             v.text(INFO, f"No ap_message for mavlink id ({message_id})", c.port)
             return DENIED
@@ -279,7 +283,7 @@ class Commands:
         return ACCEPTED
 
     def _request_message(self, c: Command) -> int:
-        message_id = int(c.p[0]) if math.isfinite(c.p[0]) else -1
+        message_id = c.whole(0)
         if message_id not in SENDABLE:
             return FAILED
         self._after.append(lambda: self.vehicle.send_now(c.port, message_id))

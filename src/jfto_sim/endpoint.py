@@ -35,13 +35,25 @@ class Endpoint(Protocol):
         """Host and port."""
 
 
+def _bound(kind: socket.SocketKind, host: str, port: int) -> socket.socket:
+    """A non-blocking socket on an address; closed again where that is taken."""
+    sock = socket.socket(socket.AF_INET, kind)
+    try:
+        sock.setblocking(False)
+        if kind is socket.SOCK_STREAM:
+            sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        sock.bind((host, port))
+    except OSError:
+        sock.close()
+        raise
+    return sock
+
+
 class UdpEndpoint:
     """UDP. Without a remote it answers whoever spoke last; with one it sends there."""
 
     def __init__(self, host: str, port: int, remote: tuple[str, int] | None = None) -> None:
-        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._socket.setblocking(False)
-        self._socket.bind((host, port))
+        self._socket = _bound(socket.SOCK_DGRAM, host, port)
         self._remote = remote
 
     def sockets(self) -> list[socket.socket]:
@@ -86,10 +98,7 @@ class TcpEndpoint:
     """TCP server for one client; a second one connects but hears nothing."""
 
     def __init__(self, host: str, port: int) -> None:
-        self._server = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-        self._server.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        self._server.setblocking(False)
-        self._server.bind((host, port))
+        self._server = _bound(socket.SOCK_STREAM, host, port)
         self._server.listen(4)
         self._client: socket.socket | None = None
         self._idle: list[socket.socket] = []

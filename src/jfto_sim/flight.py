@@ -9,6 +9,7 @@ import numpy as np
 
 from jfto_sim.dialect import INFO
 from jfto_sim.geodesy import move, offset_m
+from jfto_sim.mission.items import LOCATION_ALT_MAX_M
 from jfto_sim.modes.numbers import Mode
 from jfto_sim.motion.body import Body
 from jfto_sim.motion.heading import Heading
@@ -173,7 +174,7 @@ class Flight:
 
     def height_of(self, alt_m: float, frame: int) -> float | None:
         """Height above the power-up point of an altitude in a frame; None if that is unknown."""
-        if not math.isfinite(alt_m):
+        if not abs(alt_m) < LOCATION_ALT_MAX_M:
             return None
         if frame in _HOME:
             return self.home_m[2] + alt_m

@@ -15,6 +15,7 @@ Vector = tuple[float, float, float]
 _POSITION, _VELOCITY, _ACCEL, _FORCE, _YAW, _YAW_RATE = 0x7, 0x38, 0x1C0, 0x200, 0x400, 0x800
 _LOCAL, _LOCAL_OFFSET, _BODY, _BODY_OFFSET = 1, 7, 8, 9
 _WPNAV_FOR_POSITIONS = 64
+_ABSURD = 1e7  # metres, metres per second: beyond what a position can hold
 
 
 def _given(mask: int, bits: int) -> bool:
@@ -73,7 +74,7 @@ def _apply(v: Vehicle, m: Message, position: Vector, velocity: Vector, accel: Ve
     )
     if all(part is None for part in parts):
         return
-    if any(part is not None and not all(map(math.isfinite, part)) for part in parts):
+    if any(part is not None and not all(abs(x) < _ABSURD for x in part) for part in parts):
         return
     options = int(v.params["GUID_OPTIONS"])
     if options & _WPNAV_FOR_POSITIONS and parts[1] is None and parts[2] is None:

@@ -254,12 +254,21 @@ class Auto(FlightMode):
     def _point_nose(self) -> None:
         behaviour = int(self.vehicle.params["WP_YAW_BEHAVIOR"])
         heading = self.vehicle.heading
-        if self.do.watching:
+        if self.do.watching or self._turning():
             return
         if behaviour == 0:
             heading.hold(heading.demand_deg)
         else:
             heading.follow_track()
+
+    def _turning(self) -> bool:
+        """Whether the item behind the last waypoint is a CONDITION_YAW, which holds on this leg."""
+        do = self.runner.do
+        return (
+            self.runner.do_loaded
+            and do is not None
+            and self.vehicle.store.mission[do].command == kinds.CONDITION_YAW
+        )
 
     def item_done(self, seq: int, item: Item) -> bool:
         """Whether an item is finished."""
