@@ -13,6 +13,8 @@ from jfto_mavlink.timesync import TimeSync
 TEXTS_KEPT = 200
 # A clock that goes back by more than this is a reboot, by less an old datagram.
 REBOOT_BACKSTEP_MS = 2000
+# Our clock carries the vehicle's on for at most this long.
+OWN_TIME_AHEAD_S = 0.2
 
 EKF_READY = (
     mavlink.EKF_ATTITUDE
@@ -56,6 +58,7 @@ class Vehicle:
     armed: bool = False
     system_status: int | None = None
     time_boot_ms: int | None = None
+    boot_time_heard_s: float = 0.0
     reboots: int = 0
     lat_deg: float = math.nan
     lon_deg: float = math.nan
@@ -121,6 +124,15 @@ class Vehicle:
         found = [t.text for t in self.texts if t.at_s >= since_s and t.severity <= worst]
         return list(dict.fromkeys(found))
 
+    def own_time_s(self, now_s: float) -> float:
+        """Seconds on the vehicle's own clock now, from its last message and a little of ours.
+
+        A sped-up simulation on a busy computer keeps its own time, and missions are timed by it.
+        """
+        if self.time_boot_ms is None:
+            return now_s
+        return self.time_boot_ms / 1000 + min(now_s - self.boot_time_heard_s, OWN_TIME_AHEAD_S)
+
     def silent_s(self, now_s: float) -> float:
         """Seconds without a heartbeat; infinite if there never was one."""
         return math.inf if self.heartbeat_s is None else now_s - self.heartbeat_s
@@ -134,11 +146,12 @@ class Vehicle:
         self.mission_current = None
         self.home_deg_m = None
 
-    def _at_boot_time(self, time_boot_ms: int) -> None:
+    def _at_boot_time(self, time_boot_ms: int, now_s: float) -> None:
         last = self.time_boot_ms
         if last is not None and time_boot_ms + REBOOT_BACKSTEP_MS < last:
             self.booted()
         self.time_boot_ms = time_boot_ms
+        self.boot_time_heard_s = now_s
 
 
 def _heartbeat(vehicle: Vehicle, message: Message, now_s: float) -> None:
@@ -149,20 +162,20 @@ def _heartbeat(vehicle: Vehicle, message: Message, now_s: float) -> None:
 
 
 def _position(vehicle: Vehicle, message: Message, now_s: float) -> None:
-    vehicle._at_boot_time(message.time_boot_ms)
+    vehicle._at_boot_time(message.time_boot_ms, now_s)
     vehicle.lat_deg, vehicle.lon_deg = message.lat / 1e7, message.lon / 1e7
     vehicle.alt_m, vehicle.height_m = message.alt / 1e3, message.relative_alt / 1e3
     vehicle.velocity_ned_mps = (message.vx / 100, message.vy / 100, message.vz / 100)
     vehicle.position_s = now_s
 
 
-def _attitude(vehicle: Vehicle, message: Message, _: float) -> None:
-    vehicle._at_boot_time(message.time_boot_ms)
+def _attitude(vehicle: Vehicle, message: Message, now_s: float) -> None:
+    vehicle._at_boot_time(message.time_boot_ms, now_s)
     vehicle.attitude_rad = (message.roll, message.pitch, message.yaw)
 
 
-def _system_time(vehicle: Vehicle, message: Message, _: float) -> None:
-    vehicle._at_boot_time(message.time_boot_ms)
+def _system_time(vehicle: Vehicle, message: Message, now_s: float) -> None:
+    vehicle._at_boot_time(message.time_boot_ms, now_s)
 
 
 def _gps(vehicle: Vehicle, message: Message, _: float) -> None:

@@ -112,7 +112,10 @@ class Follower:
 
 
 def follow(context: Context, mission: VehicleMission, lift_off_s: float) -> Exchange[FlightRecord]:
-    """Follow a started vehicle until it has landed and disarmed, hovers at the end, or is lost."""
+    """Follow a started vehicle until it has landed and disarmed, hovers at the end, or is lost.
+
+    `lift_off_s` and all times in the record are on the vehicle's own clock.
+    """
     follower = Follower(mission, lift_off_s)
     record, vehicle = follower.record, context.vehicle
     mode: int | None = MODES["AUTO"]
@@ -122,7 +125,7 @@ def follow(context: Context, mission: VehicleMission, lift_off_s: float) -> Exch
         message = yield Wait(context.clock() + LOOK_EVERY_S)
         now_s = context.clock()
         if message is not None:
-            for words in follower.take(message, now_s):
+            for words in follower.take(message, vehicle.own_time_s(now_s)):
                 yield Report(words, follower.done, total)
         if vehicle.mode != mode:
             mode = vehicle.mode
@@ -135,5 +138,5 @@ def follow(context: Context, mission: VehicleMission, lift_off_s: float) -> Exch
             record.ended = "landed"
         elif hovers and vehicle.mission_state == COMPLETE and vehicle.mode == MODES["AUTO"]:
             record.ended = "hovering"
-        record.duration_s = now_s - lift_off_s
+        record.duration_s = vehicle.own_time_s(now_s) - lift_off_s
     return record

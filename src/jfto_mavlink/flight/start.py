@@ -38,7 +38,7 @@ class StartLine:
 
 
 def start(context: Context, line: StartLine) -> Exchange[float]:
-    """Start a mission at the vehicle's moment; returns the clock when it was seen flying.
+    """Start a mission at the vehicle's moment; returns its own clock when seen flying.
 
     If any vehicle of the line fails to arm, the others disarm again and raise FlightError 601.
     """
@@ -60,7 +60,7 @@ def start(context: Context, line: StartLine) -> Exchange[float]:
         LIFT_OFF_WAIT_S,
     )
     yield Report("flies")
-    return context.clock()
+    return vehicle.own_time_s(context.clock())
 
 
 def _arm(context: Context, line: StartLine) -> Exchange[None]:
