@@ -19,12 +19,13 @@ class RouteSolver:
     """Joints of a route of M distinct consecutive points, improved in place.
 
     `pars` (M, 5), `states` (M, 3, 3, 3) and `durations` (M, 2) as in `joint_time`; `speeds`
-    (M - 1,) cruise speed wanted on each leg.
+    (M - 1,) cruise speed wanted on each leg. Where no pass fits the corridor, `stop` is set.
     """
 
     def __init__(self, points: Array, stop: Flags, cap: Array, lim: Array, corridor: float) -> None:
         count = len(points)
-        self.points, self.stop, self.cap, self.lim, self.corridor = points, stop, cap, lim, corridor
+        self.points, self.stop, self.cap = points, stop.copy(), cap
+        self.lim, self.corridor = lim, corridor
         step = np.diff(points, axis=0)
         self.length = np.linalg.norm(step, axis=1)
         unit = step / self.length[:, None]
@@ -90,14 +91,24 @@ class RouteSolver:
         self._settle()
 
     def _first(self, k: int) -> None:
-        """First solution of a joint, with slower legs beside it until there is one."""
-        for _ in range(40):
+        """First solution of a joint: slower legs beside it, or a stop there, until there is one."""
+        for attempt in range(60):
             if self._solve(k, True) < np.inf:
                 return
-            for leg in (k - 1, k):
-                if 0 <= leg < len(self.speeds):
-                    self.speeds[leg] *= _SLOWER
+            if attempt == 20:
+                self._stop_at(k)
+            self._slow(k)
         raise _no_curve(k)
+
+    def _stop_at(self, k: int) -> None:
+        self.stop[k] = True
+        self.pars[k, 2:] = 0.0
+
+    def _slow(self, k: int) -> list[int]:
+        """Slow the legs beside a joint; returns the joints that this touches."""
+        legs = [leg for leg in (k - 1, k) if 0 <= leg < len(self.speeds)]
+        self.speeds[legs] *= _SLOWER
+        return sorted({joint for leg in legs for joint in (leg, leg + 1)})
 
     def _line_s(self, leg: int) -> float:
         step = self.states[leg + 1, 0, 0] - self.states[leg, 2, 0]
@@ -147,13 +158,13 @@ class RouteSolver:
             again: set[int] = set()
             for k in failed:
                 tries[k] += 1
-                for leg in (k - 1, k):
-                    if tries[k] > 1 and 0 <= leg < count - 1:
-                        self.speeds[leg] *= _SLOWER
-                        again |= {leg, leg + 1}
+                if tries[k] > 1:
+                    again |= set(self._slow(k))
+                if tries[k] == 12:
+                    self._stop_at(k)
                 self._solve(k, True, _MIDDLE)
                 again |= {k - 1, k, k + 1}
-            if failed and tries.max() > 25:
+            if failed and tries.max() > 40:
                 raise _no_curve(int(np.argmax(tries)))
             waiting = sorted(again & set(range(count)))
 
@@ -173,5 +184,5 @@ class RouteSolver:
 def _no_curve(k: int) -> InfeasibleError:
     return InfeasibleError(
         f"No trajectory through point {k} of the route keeps the limits.",
-        cures=("raise the limits of acceleration or jerk", "widen the corridor", "stop there"),
+        cures=("raise the limits of acceleration or jerk", "widen the corridor"),
     )

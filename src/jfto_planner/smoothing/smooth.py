@@ -23,6 +23,7 @@ from jfto_planner.smoothing.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 
+_NARROW = 0.4  # share of the corridor tried too where legs are short: the search is local
 _MARGIN = 4e-4  # of each limit, against what happens between samples
 
 
@@ -30,8 +31,8 @@ _MARGIN = 4e-4  # of each limit, against what happens between samples
 class SmoothingSettings:
     """How far a curve may leave the straight legs, and how hard to search.
 
-    No point of a curve is further than `corridor_m` from its straight leg. `sweeps` improves every
-    joint that often.
+    No point of a curve is further than `corridor_m` from its straight leg; where that leaves no way
+    to fly through a waypoint, the vehicle stops there. `sweeps` improves every joint that often.
     """
 
     corridor_m: float = 20.0
@@ -85,11 +86,20 @@ def smooth_route(request: RouteRequest, settings: SmoothingSettings | None = Non
     if len(first) == 1:
         still = np.broadcast_to(points[:1, None], (1, 6, 3)).copy()
         return Trajectory(still, np.array([max(merged_hold[0], 1e-3)]), np.cumsum(hold))
-    solver = RouteSolver(
-        points[first], merged_stop, merged_cap, request.limits.row(_MARGIN), settings.corridor_m
-    )
-    solver.run(settings.sweeps)
-    chain = shorten(chain_of(solver), solver, settings.corridor_m)
+    lim = request.limits.row(_MARGIN)
+    best: Chain | None = None
+    for share in (1.0, _NARROW):
+        solver = RouteSolver(
+            points[first], merged_stop, merged_cap, lim, share * settings.corridor_m
+        )
+        solver.run(settings.sweeps)
+        chain = shorten(chain_of(solver), solver, settings.corridor_m)
+        if best is None or chain.durations.sum() < best.durations.sum():
+            best = chain
+        if not np.any(solver.speeds < solver.top):
+            break
+    assert best is not None
+    control, duration, passed = _assemble(best, merged_hold)
     control, duration, passed = _assemble(chain, merged_hold)
     return Trajectory(control, duration, passed[joint_of])
 

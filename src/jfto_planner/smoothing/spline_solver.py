@@ -21,8 +21,7 @@ _LONGER = 1.04
 _STEPS = np.array([0.8, 0.9, 0.95, 0.98, 0.99, 0.995])
 
 
-# compiled anew in each process: the compiler's cache would miss changes in the file called
-@njit(nogil=True)
+@njit(cache=True, nogil=True)
 def least_jerk(fixed: Flags, durations: Array, states: Array) -> None:
     """Fill `states` (M, 3, 3) with the velocities and accelerations of least squared jerk.
 
@@ -66,7 +65,7 @@ def least_jerk(fixed: Flags, durations: Array, states: Array) -> None:
             states[joint, 2] = solution[2 * joint + 1]
 
 
-@njit(nogil=True)
+@njit(cache=True, nogil=True)
 def _strays(control: Array, start: Array, end: Array, corridor: float) -> bool:
     """Whether a control point is further than `corridor` from the straight leg."""
     step = end - start
@@ -80,6 +79,7 @@ def _strays(control: Array, start: Array, end: Array, corridor: float) -> bool:
     return False
 
 
+# compiled anew in each process: the compiler's cache would miss changes in the file called
 @njit(nogil=True)
 def _fits(
     fixed: Flags, cap: Array, durations: Array, corridor: float, lim: Array, samples: int,
