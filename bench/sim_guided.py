@@ -53,9 +53,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
     args = parser.parse_args()
-    print(
-        "fields  error to reference rms / max, m: measured      simulated      between the two, rms m"
-    )
+    print("error to the reference, rms / max in m; distance between the two flights, rms in m")
+    print(f"{'fields':6} {'measured':>20} {'simulated':>20} {'between':>10}")
     for fields in MASKS:
         table = np.genfromtxt(args.folder / f"guided_{fields}_10hz.csv", delimiter=",", names=True)
         flown = fly(table, fields)

@@ -71,6 +71,8 @@ class Boot:
         for time_s, names, only_first, early in _PARAMETERS:
             if first or not only_first:
                 events += [(time_s, 1 if early else 2, name) for name in names]
+        if not first:
+            events += [(1.753, 2, name) for name in ("INS_ACC_ID", "INS_ACC2_ID")]
         events.append((HOME_AT_S, 3, ""))
         # texts before parameters at one instant, both in the order given
         self._events = sorted(events, key=lambda e: e[0])

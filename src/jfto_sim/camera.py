@@ -10,8 +10,6 @@ from jfto_sim.dialect import mavlink
 if TYPE_CHECKING:
     from jfto_sim.vehicle import Vehicle
 
-_TIMES_MIN_S = 0.1
-
 
 class Camera:
     """Exists only if CAM1_TYPE was set when the vehicle powered up."""

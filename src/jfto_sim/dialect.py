@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from pymavlink.dialects.v10 import ardupilotmega as mavlink1
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 Message = Any  # pymavlink's messages carry their fields as attributes and have no common types
@@ -31,4 +32,5 @@ __all__ = [
     "WARNING",
     "Message",
     "mavlink",
+    "mavlink1",
 ]

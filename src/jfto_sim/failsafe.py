@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from jfto_sim.battery import BatteryState
-from jfto_sim.dialect import CRITICAL, NOTICE, WARNING
+from jfto_sim.dialect import CRITICAL, EMERGENCY, NOTICE, WARNING
 from jfto_sim.estimator import RECOVERED_AFTER_S, STOPPED_AIDING_AFTER_S, VARIANCE_AFTER_S
 from jfto_sim.fence import breach
 from jfto_sim.modes.numbers import NEEDS_POSITION, Mode
@@ -119,10 +119,8 @@ class Failsafes:
 
     def _ekf_lost(self) -> None:
         v = self.vehicle
-        if not v.arming.armed:
-            return
         self.ekf = True
-        if v.mode.number in NEEDS_POSITION and not v.body.landed:
+        if v.arming.armed and v.mode.number in NEEDS_POSITION and not v.body.landed:
             self._ekf_acted = True
             v.text(CRITICAL, "EKF Failsafe: changed to LAND Mode")
             self._go(Mode.LAND)
@@ -163,4 +161,4 @@ class Failsafes:
             and self.vehicle.motor_failed_for_s > _THRUST_LOSS_AFTER_S
         ):
             self._thrust_told = True
-            self.vehicle.text(0, "Potential Thrust Loss (1)")
+            self.vehicle.text(EMERGENCY, "Potential Thrust Loss (1)")

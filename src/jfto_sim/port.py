@@ -6,10 +6,20 @@ import heapq
 from dataclasses import dataclass, field
 from typing import Any
 
-from jfto_sim.dialect import Message, mavlink
+from jfto_sim.dialect import Message, mavlink, mavlink1
 from jfto_sim.signing import SigningCheck, SigningKey
 
-PORT_MAX = 16
+
+def _without_extensions(message: Message) -> Message:
+    """The message as MAVLink 1 knows it: the fields that MAVLink 2 added are left out."""
+    old = mavlink1.mavlink_map[message.get_msgId()]
+    values = [getattr(message, f"_{name}_raw", None) for name in old.fieldnames]
+    return old(
+        *(
+            getattr(message, name) if raw is None else raw
+            for name, raw in zip(old.fieldnames, values, strict=True)
+        )
+    )
 
 
 @dataclass
@@ -65,14 +75,17 @@ class Port:
 
     def encode(self, message: Message) -> bytes:
         """The frame of an outgoing message, or nothing where MAVLink 1 cannot carry it."""
-        if self.mavlink1 and message.get_msgId() > 255:
+        if self.mavlink1 and message.get_msgId() not in mavlink1.mavlink_map:
             return b""
         signing = self._codec.signing
         signing.sign_outgoing = self.key.active and not self.mavlink1
         if signing.sign_outgoing:
             signing.secret_key, signing.link_id = self.key.secret, self.index
             signing.timestamp = self.key.timestamp
-        frame = bytes(message.pack(self._codec, force_mavlink1=self.mavlink1))
+        if self.mavlink1:
+            frame = bytes(_without_extensions(message).pack(self._codec, force_mavlink1=True))
+        else:
+            frame = bytes(message.pack(self._codec))
         if signing.sign_outgoing:
             self.key.timestamp = max(self.key.timestamp + 1, signing.timestamp)
         self._codec.seq = (self._codec.seq + 1) % 256

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import selectors
 import socket
 import threading
@@ -20,7 +19,6 @@ from jfto_sim.endpoint import Endpoint, EndpointSpec
 from jfto_sim.faults import LinkFaults, LossyPipe
 from jfto_sim.vehicle import Vehicle
 
-_LOG = logging.getLogger(__name__)
 _TICK_S, _STEP_MAX_S = 0.005, 0.5
 _CONTROL_BYTES = 512
 TCP_BASE, UDP_BASE, PORT_STEP = 5760, 14560, 10

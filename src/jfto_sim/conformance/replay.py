@@ -57,6 +57,8 @@ class _Player:
         """Let the vehicle run up to a wall time of the recording."""
         epoch, now = self.clock.at(wall_s)
         while self.epoch < epoch:
+            before = self.vehicle.time_s
+            self._collect(self.vehicle.advance(_SLICE_S), before)
             if self.vehicle.boots == self.epoch + 1:
                 self.vehicle.reboot()
             self.epoch += 1
@@ -64,12 +66,13 @@ class _Player:
             return  # it has restarted, as the recording will in a moment
         while self.vehicle.time_s < now - 1e-6:
             before = self.vehicle.time_s
-            self._collect(self.vehicle.advance(min(_SLICE_S, now - before)))
+            self._collect(self.vehicle.advance(min(_SLICE_S, now - before)), before)
             if self.vehicle.boots > self.epoch + 1:
                 return
 
-    def _collect(self, frames: list[tuple[int, bytes]]) -> None:
-        epoch, now = self.vehicle.boots - 1, self.vehicle.time_s
+    def _collect(self, frames: list[tuple[int, bytes]], before_s: float) -> None:
+        now = max(self.vehicle.time_s, before_s)  # a restart sets the clock back
+        epoch = self.epoch
         for port, frame in frames:
             message = self._codec.decode(bytearray(frame))
             self.answers.append(Answer(self.system, port, epoch, now, message))

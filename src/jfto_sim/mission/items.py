@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from jfto_sim.dialect import Message, mavlink
 from jfto_sim.params import as_float32
@@ -158,8 +158,3 @@ def _kept_radius(radius_m: float) -> float:
 def with_home(home: tuple[int, int, float]) -> Item:
     """Item 0: home."""
     return Item(WAYPOINT, GLOBAL, (0.0, 0.0, 0.0, 0.0), home[0], home[1], home[2])
-
-
-def shifted(item: Item, x: int, y: int) -> Item:
-    """The same item at another place."""
-    return replace(item, x=x, y=y)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 from jfto_sim.modes.numbers import Mode
@@ -161,8 +160,3 @@ class Descent:
             still = ((0.0, 0.0), (0.0, 0.0))
             self.mover.level.towards_position(self.place, still, limits, dt_s)
         self.mover.write()
-
-
-def distance(a: tuple[float, ...], b: tuple[float, ...]) -> float:
-    """Euclidean distance."""
-    return math.dist(a, b)

@@ -21,7 +21,6 @@ class Mode(IntEnum):
 MODE_NAMES = {mode.value: mode.name for mode in Mode}
 ARMABLE = frozenset({Mode.STABILIZE, Mode.ALT_HOLD, Mode.GUIDED, Mode.LOITER})
 NEEDS_POSITION = frozenset({Mode.AUTO, Mode.GUIDED, Mode.LOITER, Mode.RTL, Mode.BRAKE})
-AUTONOMOUS = frozenset({Mode.AUTO, Mode.GUIDED, Mode.RTL, Mode.LAND, Mode.BRAKE})
 # bits of HEARTBEAT.base_mode without the armed bit
 _PLAIN, _GUIDED = 81, 89
 BASE_MODE = {

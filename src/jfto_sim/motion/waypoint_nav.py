@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from jfto_sim.motion.body import Body
 from jfto_sim.motion.leg import Leg, Vector
-from jfto_sim.motion.shaping import LevelTarget, VerticalTarget, stopping_point
+from jfto_sim.motion.shaping import LevelTarget, stopping_point
 from jfto_world.motion.arducopter.leg_profile import half_overlap_s, planner_limits
 from jfto_world.motion.arducopter.wpnav import WpNav
 
@@ -168,6 +168,3 @@ class WaypointNav:
         x, y, _ = self.body.position_m
         east, north = self.destination[0] - x, self.destination[1] - y
         return math.degrees(math.atan2(east, north)) % 360.0
-
-
-__all__ = ["VerticalTarget", "WaypointNav"]
