@@ -3,14 +3,12 @@
 import faulthandler
 import importlib.util
 import os
-import sys
 from pathlib import Path
 
 import pytest
 
-# A test process that hangs ends with the stacks of its threads instead of blocking for ever.
-_PROCESS_LIMIT_S = 300.0
-faulthandler.dump_traceback_later(_PROCESS_LIMIT_S, exit=True)
+# A test that hangs ends the process with the stacks of its threads instead of blocking for ever.
+_TEST_LIMIT_S = 240.0
 
 # Of its own domain per process, on loopback, with message fields checked (jfto_dds always does).
 os.environ["ROS_DOMAIN_ID"] = str(1 + os.getpid() % 200)
@@ -30,8 +28,9 @@ if importlib.util.find_spec("rclpy") is None:
 @pytest.fixture(autouse=True)
 def ended_context():
     """Shut the default context down after each test, whatever happened in it."""
+    faulthandler.dump_traceback_later(_TEST_LIMIT_S, exit=True)
     yield
     import rclpy
 
     rclpy.try_shutdown()
-    sys.stdout.flush()
+    faulthandler.cancel_dump_traceback_later()

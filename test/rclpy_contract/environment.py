@@ -49,8 +49,8 @@ def names():
     for module, listed in (
         (
             std_msgs.msg,
-            """Bool Byte ByteMultiArray Char Empty Float32 Float64 Float64MultiArray Int8 Int32 Int64
-            MultiArrayLayout String UInt8 UInt8MultiArray UInt16 UInt64""",
+            """Bool Byte ByteMultiArray Char Empty Float32 Float64 Float64MultiArray Int8 Int32
+            Int64 MultiArrayLayout String UInt8 UInt8MultiArray UInt16 UInt64""",
         ),
         (geometry_msgs.msg, "Point Pose PoseStamped Quaternion Vector3"),
         (nav_msgs.msg, "Path"),

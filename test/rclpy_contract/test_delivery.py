@@ -106,7 +106,7 @@ def test_incompatible_qos_warnings(capfd):
     ) in text
 
 
-def test_other_type_on_topic():
+def test_other_type_on_topic(capfd):
     """A publisher and a subscription of different types do not meet, silently."""
     rclpy.init(args=[])
     node, executor, events = Node("n"), SingleThreadedExecutor(), []
@@ -120,6 +120,7 @@ def test_other_type_on_topic():
         event_callbacks=SubscriptionEventCallbacks(incompatible_type=events.append),
     )
     spin_for(executor, 0.1)
+    assert capfd.readouterr().err == ""
     counts = (events, publisher.get_subscription_count(), node.count_subscribers("inc4"))
     assert repr(counts) == RECORDED["qos_incompatible"][1]["saw"]
 

@@ -11,7 +11,7 @@ from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor, Si
 n = Node("n")
 n.create_timer(0.05, lambda: None)
 # Not from a callback: a signal that meets one ends spin() without an exception, in rclpy too.
-threading.Timer(0.3, print, ["ready"], {"flush": True}).start()
+threading.Timer(0.2, print, ["ready"], {"flush": True}).start()
 def caught(error):
     print("caught", type(error).__module__, type(error).__name__, repr(str(error)))
     print("ok", rclpy.ok())
@@ -99,8 +99,8 @@ def test_sigint_while_callback_sleeps():
     """SIGINT interrupts a callback that sleeps."""
     body = """
 def sleepy():
-    print("sleeping", flush=True)
     try:
+        print("sleeping", flush=True)
         time.sleep(30)
     except BaseException as error:
         print("in callback", type(error).__name__)
@@ -309,8 +309,8 @@ def test_second_sigint():
     """A second SIGINT while the first is dealt with does no harm."""
     body = """
 def busy():
-    print("busy", flush=True)
     try:
+        print("busy", flush=True)
         time.sleep(60)
     except KeyboardInterrupt:
         print("first", flush=True)

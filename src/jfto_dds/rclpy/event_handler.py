@@ -65,7 +65,10 @@ def _liveliness(status: Any) -> Any:
 
 
 def _incompatible(status: Any) -> Any:
-    name = POLICY_NAMES.get(status.last_policy_id, "INVALID")
+    name = POLICY_NAMES.get(status.last_policy_id)
+    if name is None:
+        # Not QoS but another type on this topic, which rclpy does not report.
+        return None
     kind = rmw_qos_policy_kind_t[f"RMW_QOS_POLICY_{name}"]
     return rmw_requested_qos_incompatible_event_status_t(
         status.total_count, status.total_count_change, kind
@@ -108,8 +111,10 @@ class EventHandler(Waitable):
 
     def _notify(self, _entity: Any, status: Any) -> None:
         # Called in a DDS thread, which owns the status only until we return.
-        self._pending.append(self._convert(status))
-        self._wake()
+        event = self._convert(status)
+        if event is not None:
+            self._pending.append(event)
+            self._wake()
 
     def _is_ready(self) -> bool:
         return bool(self._pending) and not self._destroyed

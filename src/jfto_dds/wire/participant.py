@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import itertools
 import threading
 from collections.abc import Callable
@@ -24,6 +25,9 @@ _DISCOVERY_TYPE = "rmw_dds_common/msg/ParticipantEntitiesInfo"
 
 _domains: dict[int, tuple[Any, int]] = {}
 _domains_lock = threading.Lock()
+# Keeps participants alive until they are closed: collected by chance, their listeners could be
+# freed while DDS still calls them.
+_open: set[Participant] = set()
 
 
 def _open_domain(domain_id: int) -> None:
@@ -89,6 +93,7 @@ class Participant:
             lambda: self.graph.notify() if hasattr(self, "graph") else None,
         )
         self.graph = Graph(self._entity, self._take_node_info)
+        _open.add(self)
 
     @property
     def is_closed(self) -> bool:
@@ -227,6 +232,13 @@ class Participant:
         self.graph.close()
         delete_entity(self._entity)
         _close_domain(self.domain_id)
+        _open.discard(self)
+
+
+@atexit.register
+def _close_all() -> None:
+    for participant in tuple(_open):
+        participant.close()
 
 
 def _announced(type_name: str, identity: dict[str, str] | None) -> bytes:
