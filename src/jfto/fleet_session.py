@@ -32,10 +32,11 @@ SIMULATED = "sim:"
 
 @dataclass(frozen=True)
 class FleetSession:
-    """An open fleet: what runs its conversations, its clock, and whether it is simulated."""
+    """An open fleet: what runs its conversations, its clocks, and whether it is simulated."""
 
     runner: Runner
     clock: Clock
+    unix: Clock
     simulated: bool
 
 
@@ -82,7 +83,7 @@ def open_fleet(
         else:
             with suppress(RosterError):
                 bridge.wait_heard(HEARD_WAIT_S / 6)
-        yield FleetSession(bridge, bridge.clock, simulated=False)
+        yield FleetSession(bridge, bridge.clock, time.time, simulated=False)
 
 
 def grounds(plan: Plan, dem: Dem | None) -> dict[str, PadGround]:
@@ -136,18 +137,22 @@ def _simulated(
     settings = ServerSettings((endpoint,) * len(configs), speedup)
     roster = Roster(tuple(RosterEntry(uav, n, link) for n, uav in enumerate(pads, 1)))
     clock = ScaledClock(speedup)
+
+    def unix() -> float:
+        return start_unix_s + clock()
+
     with (
         SimServer(configs, settings),
         Bridge(
             roster,
             clock=clock,
-            unix=lambda: start_unix_s + clock(),
+            unix=unix,
             log_directory=log_directory,
             on_event=on_event,
         ) as bridge,
     ):
         bridge.wait_heard(HEARD_WAIT_S * max(speedup, 1.0))
-        yield FleetSession(bridge, clock, simulated=True)
+        yield FleetSession(bridge, clock, unix, simulated=True)
 
 
 def _free_port() -> int:

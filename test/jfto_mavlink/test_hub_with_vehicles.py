@@ -82,6 +82,8 @@ def test_fence_and_rally_points_ride_along():
     store = runner.vehicles["uav1"].store
     assert [store.count(kind) for kind in (0, 1, 2)] == [20, 1, 1]
     assert runner.vehicles["uav1"].params["FENCE_ALT_MAX"] == 120.0
+    assert deliver_to_fleet(runner, {"uav1": mission(30)}).release()
+    assert [store.count(kind) for kind in (0, 1, 2)] == [30, 1, 1], "the fence must stay"
 
 
 def test_one_refusal_keeps_the_whole_fleet_on_the_ground():

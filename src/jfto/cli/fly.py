@@ -33,10 +33,29 @@ if TYPE_CHECKING:
 @click.option(
     "--stagger", type=click.FloatRange(0.0), default=0.0, metavar="S", help="Time between starts."
 )
+@click.option(
+    "--gate",
+    "gates",
+    type=click.IntRange(1),
+    multiple=True,
+    metavar="K",
+    help="All wait behind their K-th waypoint for its planned time, so that the fleet keeps its "
+    "slots by the clock. May be repeated.",
+)
+@click.option(
+    "--lead",
+    type=click.FloatRange(10.0),
+    default=150.0,
+    show_default=True,
+    metavar="S",
+    help="With --gate: time for upload and checks before the planned start.",
+)
 @click.option("--yes", is_flag=True, help="Start real vehicles without asking.")
 @build_options
 @debug_option
-def command(plan: Path, out: Path | None, stagger: float, yes: bool, debug: bool,  # noqa: ARG001
+def command(plan: Path, out: Path | None, stagger: float,
+    gates: tuple[int, ...],
+    lead: float, yes: bool, debug: bool,  # noqa: ARG001
             **choices: Any) -> int:  # fmt: skip
     """Fly PLAN from the pads to the landing: upload, verify, check, arm, start, follow.
 
@@ -54,7 +73,7 @@ def command(plan: Path, out: Path | None, stagger: float, yes: bool, debug: bool
     from jfto_mavlink.fleet.release import deliver_to_fleet
     from jfto_mavlink.flight.preflight import GateSettings
 
-    built = build(plan, choices)
+    built = build(plan, choices, tuple(k - 1 for k in gates), 0.0 if gates else None)
     missions = built.missions
     directory = new_flight_directory(out)
     pads = {uav: mission.home_deg_m for uav, mission in missions.items()}
@@ -67,11 +86,18 @@ def command(plan: Path, out: Path | None, stagger: float, yes: bool, debug: bool
         on_event=screen.event,
         grounds=grounds(built.plan, built.dem),
     ) as session:  # fmt: skip
+        start_at_s = None
+        if gates:
+            start_at_s = session.clock() + lead
+            indices = tuple(k - 1 for k in gates)
+            missions = build(plan, choices, indices, session.unix() + lead).missions
         sent = {uav: mission.mission for uav, mission in missions.items()}
         release = deliver_to_fleet(session.runner, sent, screen.report).release()
         if not session.simulated and not yes:
             click.confirm(f"Start {len(missions)} vehicles?", abort=True)
-        settings = FlySettings(stagger, GateSettings())
+        slot_s = built.plan.slots.duration_s
+        checks = GateSettings(utc_error_max_s=slot_s / 4 if gates else None)
+        settings = FlySettings(stagger, start_at_s, checks)
         try:
             records = fly_fleet(
                 session.runner, session.clock, release, missions, settings, screen.report

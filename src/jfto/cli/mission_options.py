@@ -99,17 +99,33 @@ class BuiltFleet:
     dem: Dem | None
 
 
-def build(plan_path: Path, choices: Mapping[str, Any]) -> BuiltFleet:
-    """Missions of a plan file from the values of `build_options`."""
+def build(
+    plan_path: Path,
+    choices: Mapping[str, Any],
+    gates: tuple[int, ...] = (),
+    start_unix_s: float | None = None,
+) -> BuiltFleet:
+    """Missions of a plan file from the values of `build_options`.
+
+    `gates` are indices along the routes behind which all wait for their planned time, counted from
+    `start_unix_s`.
+    """
     from jfto.run_directory import SCENARIO_NAME
     from jfto.scenario_file import load_scenario
     from jfto.stages.survey import load_ground
+    from jfto_mavlink.errors import MissionError
     from jfto_mavlink.mission.build import build_missions
     from jfto_mavlink.mission.limits import MissionLimits
     from jfto_mavlink.mission.settings import MissionSettings
     from jfto_msgs_py.plan_file import read_plan
 
     plan = read_plan(plan_path)
+    if gates and plan.time_model == "constant_speed":
+        raise MissionError(
+            303,
+            f"{plan_path}: its times are those of constant speed. A vehicle late for a gate waits "
+            "up to a minute: plan with the arducopter time model to use gates.",
+        )
     beside = plan_path.with_name(SCENARIO_NAME)
     scenario = choices["terrain"] or (beside if beside.exists() else None)
     dem = None if scenario is None else load_ground(load_scenario(scenario))
@@ -123,6 +139,8 @@ def build(plan_path: Path, choices: Mapping[str, Any]) -> BuiltFleet:
         pass_within_m=choices["within"],
         takeoff_height_m=choices["takeoff_height"],
         return_height_m=choices["return_height"],
+        gates=gates,
+        start_unix_s=start_unix_s,
         limits=limits,
     )
     built = build_missions(plan, settings, ground=None if dem is None else dem.height)

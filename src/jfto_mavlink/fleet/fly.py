@@ -21,9 +21,14 @@ PREPARE_S = 8.0
 
 @dataclass(frozen=True)
 class FlySettings:
-    """`stagger_s` is the time between two starts, in the order of the roster."""
+    """`stagger_s` is the time between two starts, in the order of the roster.
+
+    `start_at_s` is the moment of the first start on the bridge's clock, for missions with time
+    gates; None starts as soon as all are ready.
+    """
 
     stagger_s: float = 0.0
+    start_at_s: float | None = None
     gate: GateSettings = field(default_factory=GateSettings)
 
 
@@ -65,6 +70,14 @@ def fly_fleet(
         raise FlightError(602, f"{', '.join(stale) or 'the fleet'}: not the released mission.")
     check_fleet(runner, release, missions, settings.gate, report)
     begin_s = clock() + PREPARE_S
+    if settings.start_at_s is not None:
+        if settings.start_at_s < begin_s:
+            raise FlightError(
+                601,
+                f"the fleet was ready {begin_s - settings.start_at_s:.0f} s too late for its time "
+                "gates; no vehicle is armed. Leave more time before the start.",
+            )
+        begin_s = settings.start_at_s
     line = StartLine({u: begin_s + k * settings.stagger_s for k, u in enumerate(missions)})
 
     def journey(uav: str) -> Callable[[Context], Exchange[FlightRecord]]:

@@ -48,7 +48,7 @@ def deliver(
     if context.vehicle.armed:
         before = yield from download(context, MISSION, patience)
     try:
-        for mission_type in (FENCE, RALLY, MISSION):
+        for mission_type in _carried(mission):
             yield from _deliver_type(context, mission.of_type(mission_type), mission_type, patience)
         for name, value in mission.parameters:
             yield from set_parameter(context, name, value)
@@ -63,7 +63,7 @@ def verify(
 ) -> Exchange[tuple[str, ...]]:
     """Differences between a mission and what the vehicle holds, in words; empty if none."""
     found: list[str] = []
-    for mission_type in (MISSION, FENCE, RALLY):
+    for mission_type in _carried(mission):
         held = yield from download(context, mission_type, patience)
         found += differences(mission.of_type(mission_type), held, mission_type)
     for name, value in mission.parameters:
@@ -99,6 +99,12 @@ def clear(context: Context, mission_type: int, patience: Patience | None = None)
         if context.clock() - begun_s > patience.busy_s:
             break
     raise TransferError(403, f"{context.uav}: {name} not cleared: {answer}.")
+
+
+def _carried(mission: Mission) -> tuple[int, ...]:
+    """Mission types to write and compare: a fence or rally points of others stay untouched."""
+    optional = tuple(kind for kind in (FENCE, RALLY) if mission.of_type(kind))
+    return (*optional, MISSION)
 
 
 def _deliver_type(

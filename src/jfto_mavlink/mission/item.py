@@ -140,8 +140,8 @@ def at(
 class Mission:
     """Everything one vehicle holds: items (item 0 is home), fence and rally points.
 
-    An empty `items` means an empty mission. `parameters` are settings of the autopilot that the
-    mission relies on, such as fence heights.
+    An empty `items` means an empty mission; an empty `fence` or `rally` leaves what is on board.
+    `parameters` are settings of the autopilot that the mission relies on, such as fence heights.
     """
 
     items: tuple[Item, ...] = ()

@@ -66,3 +66,9 @@ def test_a_missing_plan_is_said_to_be_missing(tmp_path, capsys):
     """Status 2, no traceback."""
     assert main(["fly", str(tmp_path / "none.json"), "--vehicles", "sim:3"]) == 2
     assert "none.json" in capsys.readouterr().err
+
+
+def test_gates_need_times_that_vehicles_can_keep(plan, capsys):
+    """Constant-speed times are too early: a late vehicle would wait a minute at its gate."""
+    assert main(["fly", str(plan), "--vehicles", "sim:3", "--gate", "1"]) == 2
+    assert "plan with the arducopter time model" in capsys.readouterr().err

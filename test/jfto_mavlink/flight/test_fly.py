@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
+import numpy as np
 import pytest
 
 from jfto.rehearsal import CLEAN, Rehearsal
@@ -120,6 +121,46 @@ def test_a_staggered_start_keeps_its_distance_in_time(plan):
     field.fly(FlySettings(stagger_s=6.0))
     started = [e.at_s for e in field.events if e.kind == "mode" and e.text == "mode AUTO"]
     assert started[1] - started[0] == pytest.approx(6.0, abs=0.5)
+
+
+def test_time_gates_hold_the_fleet_to_the_clock(plan):
+    """Flown once for true times, then gated: each vehicle leaves its gate at the planned second."""
+    first = Field(plan)
+    records = first.fly()
+    routes = tuple(
+        dataclasses.replace(route, arrival_s=tuple(p.reached_s for p in records[uav.id].passages))
+        for uav, route in zip(plan.uavs, plan.routes, strict=True)
+    )
+    timed = dataclasses.replace(plan, routes=routes)
+    lead_s = 30.0
+    start_unix_s = VehicleConfig().utc_at_boot_us / 1e6 + READY_S + lead_s
+    settings = MissionSettings(gates=(0,), start_unix_s=start_unix_s)
+    field = Field(timed, settings)
+    left = {}
+
+    def watch(event_uav, vehicle, delay_seq):
+        if event_uav not in left and (vehicle.mission_current or 0) > delay_seq:
+            left[event_uav] = field.runner.vehicles[event_uav].utc_us / 1e6
+
+    gate_seq = {u: m.item_map.items[0] + 2 for u, m in field.missions.items()}
+    tick = field.runner.hub.tick
+
+    def tick_and_watch():
+        tick()
+        for uav, seq in gate_seq.items():
+            watch(uav, field.runner.hub.vehicle(uav), seq)
+
+    field.runner.hub.tick = tick_and_watch
+    field.fly(FlySettings(start_at_s=READY_S + lead_s))
+    for uav, route in zip(plan.uavs, routes, strict=True):
+        planned = np.ceil(start_unix_s + route.arrival_s[0] + settings.gate_slack_s)
+        assert left[uav.id] == pytest.approx(planned, abs=0.6)
+
+
+def test_a_fleet_ready_too_late_for_its_gates_stays_on_the_ground(plan):
+    """A start in the past would desynchronise everything."""
+    with pytest.raises(FlightError, match="too late for its time gates"):
+        Field(plan).fly(FlySettings(start_at_s=READY_S + 1.0))
 
 
 def test_a_vehicle_that_is_not_ready_keeps_all_on_the_ground(plan):
