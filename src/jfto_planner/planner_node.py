@@ -22,9 +22,11 @@ from jfto_msgs_py.ros.graph_node import GraphNode
 from jfto_msgs_py.ros.vehicle import encode_path, encode_trajectory
 from jfto_msgs_py.scenario import Scenario
 from jfto_msgs_py.scenario.key import param
+from jfto_planner.lift_off_file import read_lift_off, write_lift_off
 from jfto_planner.plan_job import PlanJob, Progress
 from jfto_planner.plan_trajectory import timed_paths, timed_trajectories
 
+_CLOCK_WAIT_S = 0.1
 PlanFunction = Callable[[Scenario, Progress], Plan]
 
 
@@ -36,9 +38,13 @@ class PlannerOptions:
     plan_file: str = param(
         "", "Plan to load. If there is no such file, the scenario is planned and kept there."
     )
+    state_file: str = param(
+        "", "File that keeps the lift-off of a plan over a restart; left out: none."
+    )
     start_time_s: float = param(
         0.0,
-        "Lift-off, seconds since the epoch; 0: start_delay_s after the plan is there.",
+        "Lift-off, seconds since the epoch; 0: as state_file says, else start_delay_s after the "
+        "plan is there.",
         unit="s",
         low=0.0,
         high=4e9,
@@ -62,6 +68,7 @@ class PlannerNode(GraphNode[PlannerOptions]):
         self._plan: Plan | None = None
         self._start_ns = 0
         self._job: PlanJob | None = None
+        self._fresh = False
         self._waiting: list[Future] = []
         self._trouble = ""
         super().__init__("planner_node", PlannerOptions, **arguments)
@@ -89,6 +96,9 @@ class PlannerNode(GraphNode[PlannerOptions]):
             Trigger, topics.REPLAN, self._on_replan, callback_group=ReentrantCallbackGroup()
         )
         self._finished = self.create_guard_condition(self._on_finished)
+        # Where simulated time has not begun, a finished plan waits for it.
+        self._clock_wait = self.create_timer(_CLOCK_WAIT_S, self._on_finished)
+        self._clock_wait.cancel()
 
     def activated(self) -> None:
         """Publish the plan, which is loaded or made first if there is none."""
@@ -121,13 +131,19 @@ class PlannerNode(GraphNode[PlannerOptions]):
                 write_plan(plan, file)
             return plan
 
-        self._trouble = ""
+        self._trouble, self._fresh = "", fresh
         self._job = PlanJob(work, self._finished.trigger)
 
     def _on_finished(self) -> None:
-        job, self._job = self._job, None
+        job = self._job
         if job is None:
+            self._clock_wait.cancel()
             return
+        if job.result is not None and self.now_ns() == 0:
+            self._clock_wait.reset()
+            return
+        self._clock_wait.cancel()
+        self._job = None
         try:
             if job.error is not None:
                 raise job.error
@@ -156,11 +172,21 @@ class PlannerNode(GraphNode[PlannerOptions]):
         if plan.certificate is not None and not plan.certificate.clean:
             first = plan.certificate.violations[0].message if plan.certificate.violations else ""
             raise InfeasibleError(f"The plan breaks its constraints and is not published. {first}")
-        wanted_ns = round(self._options.start_time_s * 1e9)
+        self._start_ns = self._lift_off_ns(plan)
         self._plan = plan
-        self._start_ns = wanted_ns or self.now_ns() + round(self._options.start_delay_s * 1e9)
         self.get_logger().info(self._summary())
         self._publish()
+
+    def _lift_off_ns(self, plan: Plan) -> int:
+        options = self._options
+        file = FilePath(options.state_file) if options.state_file else None
+        start_ns = round(options.start_time_s * 1e9)
+        if not start_ns and file is not None and not self._fresh:
+            start_ns = read_lift_off(plan, file) or 0
+        start_ns = start_ns or self.now_ns() + round(options.start_delay_s * 1e9)
+        if file is not None:
+            write_lift_off(plan, start_ns, file)
+        return start_ns
 
     def _publish(self) -> None:
         assert self._plan is not None

@@ -26,6 +26,9 @@ from jfto_world.motion.fleet_plan import FleetPlan
 from jfto_world.motion.fleet_prediction import FleetPrediction
 from jfto_world.radio import make_channel, pairwise_distances
 
+# A topology takes two.
+_LEAST_UAVS = 2
+
 
 @dataclass(frozen=True)
 class TopologyOptions:
@@ -50,6 +53,7 @@ class TopologyNode(GraphNode[TopologyOptions]):
     def __init__(self, **arguments: Any) -> None:
         self._horizon: TopologyHorizon | None = None
         self._last: HorizonTopology | None = None
+        self._since_ns = 0
         super().__init__("topology_node", TopologyOptions, **arguments)
 
     def build(self, scenario: Scenario, options: TopologyOptions) -> None:
@@ -89,9 +93,11 @@ class TopologyNode(GraphNode[TopologyOptions]):
     def released(self) -> None:
         """Forget plans and poses."""
         self._horizon = self._last = None
+        self._since_ns = 0
 
     def activated(self) -> None:
         """Solve what is due."""
+        self._since_ns = 0
         self._step()
 
     def _on_trajectory(self, uav: str, message: Any) -> None:
@@ -126,14 +132,16 @@ class TopologyNode(GraphNode[TopologyOptions]):
         if horizon is None or not self.is_active:
             return
         now_ns = self.now_ns()
-        if horizon.due(now_ns):
-            self._last = horizon.solve(now_ns)
-            if self._last is not None:
-                self._publish(self._last, now_ns)
-        elif not self._deadline.is_canceled() and self._deadline.time_until_next_call() > 0:
-            return
+        self._since_ns = self._since_ns or now_ns
+        if horizon.due(now_ns) and self._may_solve(horizon, now_ns):
+            found = horizon.solve(now_ns)
+            if found is not None:
+                self._last = found
+                self._publish(found, now_ns)
         slot = horizon.slot_at(now_ns)
-        until_ns = horizon.deadline_ns(slot) - now_ns
+        # At the end of the first wait nothing may have come that could be waited for.
+        first_ns = self._since_ns + round(horizon.settings.pose_wait_s * 1e9)
+        until_ns = max(horizon.deadline_ns(slot), first_ns) - now_ns
         if until_ns <= 0 and slot < horizon.settings.slot_count:
             until_ns = horizon.deadline_ns(slot + 1) - now_ns
         if until_ns <= 0:
@@ -141,6 +149,14 @@ class TopologyNode(GraphNode[TopologyOptions]):
             return
         self._deadline.timer_period_ns = until_ns
         self._deadline.reset()
+
+    def _may_solve(self, horizon: TopologyHorizon, now_ns: int) -> bool:
+        """Whether UAVs without a fresh pose have had the time to send one since we listen."""
+        fresh = self._prediction.fresh(now_ns, horizon.settings.stale_after_s)
+        waited_ns = now_ns - self._since_ns
+        return len(fresh) == len(self._plan.uav_ids) or (
+            len(fresh) >= _LEAST_UAVS and waited_ns >= horizon.settings.pose_wait_s * 1e9
+        )
 
     def _publish(self, found: HorizonTopology, now_ns: int) -> None:
         self._adjacency.publish(encode_adjacency(found.adjacency))

@@ -99,7 +99,7 @@ class NodeParameters(Generic[Options]):
             if name in self._options:
                 own[name], found = check_value(self._options[name], Given(plain, self._where))
                 problems += found
-            elif plain != [] or KEYS[name].default != ():
+            elif name not in KEYS or not _is_default(KEYS[name], plain):
                 layer[name] = Given(plain, self._where)
         try:
             scenario = make_scenario([layer])
@@ -162,6 +162,11 @@ def _declare(node: Any, key: Key, value: Any) -> None:
 def _converted(key: Key, value: Any) -> Any:
     """A whole number where a file may write one for a float or an int, as ROS wants it."""
     return {"float": float, "int": int}.get(key.kind, lambda same: same)(value)
+
+
+def _is_default(key: Key, value: Any) -> bool:
+    """Whether a value is the default: then it counts as not given, as in a file."""
+    return bool((tuple(value) if isinstance(value, list) else value) == key.default)
 
 
 def _expanded(given: Mapping[str, Any]) -> dict[str, Any]:

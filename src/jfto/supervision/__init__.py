@@ -1,0 +1,1 @@
+"""Keeps the processes of a node graph running on a machine without ROS 2."""

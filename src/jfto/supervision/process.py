@@ -1,0 +1,81 @@
+"""One supervised process: its command, its log, how it ended."""
+
+from __future__ import annotations
+
+import ctypes
+import signal
+import subprocess
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+_PR_SET_PDEATHSIG = 1
+_libc = ctypes.CDLL(None, use_errno=True)
+
+
+@dataclass(frozen=True)
+class NodeCommand:
+    """What runs a node: its name, which its log is named after, and its command line."""
+
+    name: str
+    command: Sequence[str]
+    environment: Mapping[str, str]
+
+
+class Process:
+    """A running command; `ended` is called from a thread of its own with the exit status.
+
+    Its output is added to `log`. It has a session of its own, so that Ctrl-C in the terminal
+    reaches it in the supervisor's order only, and it ends when the supervisor is killed.
+    """
+
+    def __init__(self, node: NodeCommand, log: Path, ended: Callable[[int], None]) -> None:
+        self.started_s = time.monotonic()
+        with log.open("ab") as output:
+            self._process = subprocess.Popen(
+                node.command,
+                env=dict(node.environment),
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+                preexec_fn=_die_with_parent,  # noqa: PLW1509 - calls libc only
+            )
+        self._ended = ended
+        self._watcher = threading.Thread(target=self._watch, name=f"watch {node.name}", daemon=True)
+        self._watcher.start()
+
+    @property
+    def pid(self) -> int:
+        """Number of the process."""
+        return self._process.pid
+
+    @property
+    def uptime_s(self) -> float:
+        """Seconds since it was started."""
+        return time.monotonic() - self.started_s
+
+    def stop(self, patience_s: float) -> int:
+        """End it by SIGINT, after `patience_s` by SIGKILL; returns its exit status."""
+        self._process.send_signal(signal.SIGINT)
+        try:
+            return self._process.wait(patience_s)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            return self._process.wait()
+
+    def _watch(self) -> None:
+        self._ended(self._process.wait())
+
+
+def ending(status: int) -> str:
+    """An exit status in words."""
+    if status < 0:
+        return f"killed by {signal.Signals(-status).name}"
+    return f"ended with status {status}"
+
+
+def _die_with_parent() -> None:
+    _libc.prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)

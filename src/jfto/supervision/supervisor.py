@@ -1,0 +1,162 @@
+"""Starts processes, starts them again when they die, and stops all of them in order."""
+
+from __future__ import annotations
+
+import json
+import queue
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from jfto.supervision.back_off import BackOff, BackOffSettings
+from jfto.supervision.process import NodeCommand, Process, ending
+from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.write_file import write_file
+
+# A node ends within 2 s of SIGINT; one that does not is killed.
+_PATIENCE_S = 4.0
+STATUS_NAME = "status.json"
+LOGS = "logs"
+
+
+@dataclass
+class _Slot:
+    """A node's place: its process while it runs, else when it is started again."""
+
+    node: NodeCommand
+    back_off: BackOff
+    process: Process | None = None
+    again_at_s: float | None = None
+    restarts: int = 0
+    given_up: str = ""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a graph ended: whether it was stopped from outside, and which nodes were given up."""
+
+    stopped: bool
+    failed: dict[str, str] = field(default_factory=dict)
+    unclean: dict[str, str] = field(default_factory=dict)
+
+
+class Supervisor:
+    """Runs nodes until `stop` or until one is given up; `tell` hears what happens, in words.
+
+    Each node's output goes to `directory`/logs/<name>.log; `directory`/status.json always holds
+    the state of all.
+    """
+
+    def __init__(
+        self,
+        nodes: Sequence[NodeCommand],
+        directory: Path,
+        tell: Callable[[str, str], None],
+        settings: BackOffSettings | None = None,
+    ) -> None:
+        chosen = settings or BackOffSettings()
+        self._slots = [_Slot(node, BackOff(chosen)) for node in nodes]
+        self._directory = directory
+        self._tell = tell
+        self._events: queue.SimpleQueue[tuple[_Slot, Process, int] | None] = queue.SimpleQueue()
+
+    def run(self) -> Outcome:
+        """Start all in order and keep them up; returns when stopped, or when one is given up.
+
+        Ctrl-C stops it too. Raises InputError where logs cannot be written.
+        """
+        try:
+            (self._directory / LOGS).mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(
+                f"{self._directory}: cannot be made: {error.strerror}. Name another with --out."
+            ) from None
+        stopped = False
+        try:
+            for slot in self._slots:
+                self._start(slot)
+            self._write_status()
+            stopped = self._watch()
+        except KeyboardInterrupt:
+            stopped = True
+        finally:
+            unclean = self._stop_all()
+        failed = {s.node.name: s.given_up for s in self._slots if s.given_up}
+        return Outcome(stopped, failed, unclean)
+
+    def stop(self) -> None:
+        """Let `run` stop all and return; may be called from any thread or signal handler."""
+        self._events.put(None)
+
+    def _watch(self) -> bool:
+        while True:
+            try:
+                event = self._events.get(timeout=self._next_start_s())
+            except queue.Empty:
+                for slot in self._slots:
+                    if slot.again_at_s is not None and slot.again_at_s <= time.monotonic():
+                        slot.restarts += 1
+                        self._start(slot)
+                self._write_status()
+                continue
+            if event is None:
+                return True
+            slot, process, status = event
+            if slot.process is process and not self._mourn(slot, process, status):
+                return False
+
+    def _next_start_s(self) -> float | None:
+        times = [slot.again_at_s for slot in self._slots if slot.again_at_s is not None]
+        return max(min(times) - time.monotonic(), 0.0) if times else None
+
+    def _start(self, slot: _Slot) -> None:
+        log = self._directory / LOGS / f"{slot.node.name}.log"
+        slot.again_at_s = None
+        slot.process = process = Process(
+            slot.node, log, lambda status: self._events.put((slot, process, status))
+        )
+        word = "restarted" if slot.restarts else "started"
+        self._tell(slot.node.name, f"{word}, pid {process.pid}")
+
+    def _mourn(self, slot: _Slot, process: Process, status: int) -> bool:
+        """Arrange for a dead process's restart; False where it is given up."""
+        slot.process = None
+        how = ending(status)
+        # Status 2 says that its parameters are wrong: they will be wrong again.
+        wait_s = (
+            None if status == InputError.exit_status else slot.back_off.wait_s(process.uptime_s)
+        )
+        if wait_s is None:
+            slot.given_up = f"{how} after {process.uptime_s:.1f} s"
+            self._tell(slot.node.name, f"{slot.given_up}, given up")
+            return False
+        slot.again_at_s = time.monotonic() + wait_s
+        self._tell(slot.node.name, f"{how} after {process.uptime_s:.1f} s, again in {wait_s:.1f} s")
+        self._write_status()
+        return True
+
+    def _stop_all(self) -> dict[str, str]:
+        """Stop in reverse order of starting; returns those that did not end cleanly."""
+        unclean = {}
+        for slot in reversed(self._slots):
+            process, slot.process, slot.again_at_s = slot.process, None, None
+            if process is None:
+                continue
+            status = process.stop(_PATIENCE_S)
+            self._tell(slot.node.name, "stopped" if status == 0 else ending(status))
+            if status != 0:
+                unclean[slot.node.name] = ending(status)
+        self._write_status()
+        return unclean
+
+    def _write_status(self) -> None:
+        state = {
+            slot.node.name: {
+                "pid": slot.process.pid if slot.process else None,
+                "restarts": slot.restarts,
+                "given_up": slot.given_up,
+            }
+            for slot in self._slots
+        }
+        write_file(self._directory / STATUS_NAME, json.dumps(state, indent=1) + "\n")

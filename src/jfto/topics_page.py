@@ -1,0 +1,82 @@
+"""The page docs/topics.md: topics, types, QoS and the nodes' parameters, from the code.
+
+`python -m jfto.topics_page` prints it.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from jfto.nodes import use_stand_in_where_needed
+from jfto_msgs_py.ros.endpoints import SERVICES, TOPICS
+
+_HEAD = """\
+# Topics, services and parameters of the node graph
+
+Only stock types of common_interfaces are used, so that any ROS 2 machine can echo, record and plot
+them unbuilt. `<uav>` stands for a UAV's id, the fleet's `fleet.ids`. This page is printed by
+`python -m jfto.topics_page`.
+
+Multi-arrays describe themselves in the labels of their dimensions:
+`slot;first=45;t0=1763776800.250000000;dt=3.0` (first slot, its beginning in seconds since the
+epoch, length of a slot in seconds), `uav;ids=uav1,uav2,uav3`, `bound;min,max;unit=W`.
+"""
+_LIFECYCLE = """\
+All nodes are lifecycle nodes: `ros2 lifecycle set /topology_node deactivate` silences one. With
+`autostart` they configure and activate themselves. Parameters can be set while a node is not
+active, and take effect when it is activated; the answer to a wrong one is a sentence that says what
+would be right.
+"""
+
+
+def page() -> str:
+    """Markdown page of all topics, services and parameters of nodes."""
+    use_stand_in_where_needed()
+    lines = [_HEAD, "## Topics", "", "| topic | type | QoS | by | to | content |"]
+    lines.append("|---|---|---|---|---|---|")
+    for topic in TOPICS:
+        by, to = ", ".join(topic.by), ", ".join(topic.to)
+        lines.append(
+            f"| `{topic.name}` | {topic.type} | {_qos(topic.qos())} | {by} | {to} | {topic.doc} |"
+        )
+    lines += ["", "## Services", "", "| service | type | by | what it does |", "|---|---|---|---|"]
+    lines += [f"| `{s.name}` | {s.type} | {s.by} | {s.doc} |" for s in SERVICES]
+    lines += ["", "## Parameters", "", _LIFECYCLE]
+    lines.append(
+        "Every node declares all scenario keys (docs/scenario.md), and these of its own:\n"
+    )
+    for name, options in _options().items():
+        lines += [f"### {name}", "", "| parameter | type | default | range | meaning |"]
+        lines.append("|---|---|---|---|---|")
+        lines += [
+            f"| `{key.name}` | {key.kind} | {key.default} | {key.range_text} | {key.doc} |"
+            for key in options
+        ]
+        lines.append("")
+    return "\n".join(lines)
+
+
+def _options() -> dict[str, list[Any]]:
+    """Keys of each node's own parameters."""
+    from jfto.pose_player_node import PosePlayerOptions
+    from jfto_msgs_py.ros.parameters import option_keys
+    from jfto_planner.planner_node import PlannerOptions
+    from jfto_power.power_node import PowerOptions
+    from jfto_topology.topology_node import TopologyOptions
+
+    kinds: dict[str, type] = {
+        "planner_node": PlannerOptions,
+        "topology_node": TopologyOptions,
+        "power_node": PowerOptions,
+        "pose_player": PosePlayerOptions,
+    }
+    return {name: list(option_keys(kind).values()) for name, kind in kinds.items()}
+
+
+def _qos(profile: Any) -> str:
+    words = [profile.reliability.name, profile.durability.name, f"depth {profile.depth}"]
+    return ", ".join(word.lower().replace("_", " ") for word in words)
+
+
+if __name__ == "__main__":
+    print(page(), end="")

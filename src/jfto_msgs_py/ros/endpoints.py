@@ -1,0 +1,141 @@
+"""The graph's topics and services: name, type, quality of service, and who offers them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from jfto_msgs_py.ros import qos, topics
+
+# Stands for a UAV's id in names.
+UAV = "<uav>"
+
+
+@dataclass(frozen=True)
+class Topic:
+    """One topic; `by` and `to` are nodes, "any" standing for whoever looks."""
+
+    name: str
+    type: str
+    qos: Callable[[], Any]
+    by: tuple[str, ...]
+    to: tuple[str, ...]
+    doc: str
+
+
+@dataclass(frozen=True)
+class Service:
+    """One service."""
+
+    name: str
+    type: str
+    by: str
+    doc: str
+
+
+_PLANNER, _TOPOLOGY, _POWER, _PLAYER = "planner_node", "topology_node", "power_node", "pose_player"
+_BRIDGE = "mavlink_bridge"
+
+TOPICS = (
+    Topic(
+        topics.path(UAV),
+        "nav_msgs/msg/Path",
+        qos.latched,
+        (_PLANNER,),
+        ("any",),
+        "pad and waypoints, stamps are planned arrivals",
+    ),
+    Topic(
+        topics.trajectory(UAV),
+        "trajectory_msgs/msg/MultiDOFJointTrajectory",
+        qos.latched,
+        (_PLANNER,),
+        (_TOPOLOGY, _POWER, _PLAYER),
+        "planned motion, header stamp is lift-off",
+    ),
+    Topic(
+        topics.pose(UAV),
+        "geometry_msgs/msg/PoseStamped",
+        qos.sensor,
+        (_BRIDGE, _PLAYER),
+        (_TOPOLOGY, _POWER),
+        "measured pose, frame `map`: ENU metres about the plan's origin",
+    ),
+    Topic(
+        topics.fix(UAV),
+        "sensor_msgs/msg/NavSatFix",
+        qos.sensor,
+        (_BRIDGE,),
+        ("any",),
+        "measured geodetic position",
+    ),
+    Topic(
+        topics.battery(UAV),
+        "sensor_msgs/msg/BatteryState",
+        qos.sensor,
+        (_BRIDGE,),
+        ("any",),
+        "flight battery",
+    ),
+    Topic(
+        topics.ADJACENCY,
+        "std_msgs/msg/UInt8MultiArray",
+        qos.latched,
+        (_TOPOLOGY,),
+        (_POWER,),
+        "[slot, uav, uav], 1 for an active link",
+    ),
+    Topic(
+        topics.POWER_INTERVAL,
+        "std_msgs/msg/Float64MultiArray",
+        qos.latched,
+        (_TOPOLOGY,),
+        (_POWER,),
+        "[slot, uav, bound], least and greatest power in W",
+    ),
+    Topic(
+        topics.POWER_SCHEDULE,
+        "std_msgs/msg/Float64MultiArray",
+        qos.latched,
+        (_POWER,),
+        ("any",),
+        "[slot, uav], power in W",
+    ),
+    Topic(
+        topics.tx_power(UAV),
+        "std_msgs/msg/Float64",
+        qos.latched,
+        (_POWER,),
+        ("any",),
+        "setpoint in force, dBm; -inf for silence",
+    ),
+    Topic(
+        topics.MARKERS,
+        "visualization_msgs/msg/MarkerArray",
+        qos.latched,
+        (_TOPOLOGY,),
+        ("any",),
+        "paths, links (colour and width say the margin), UAVs",
+    ),
+    Topic(
+        topics.DIAGNOSTICS,
+        "diagnostic_msgs/msg/DiagnosticArray",
+        qos.default,
+        (_PLANNER, _TOPOLOGY, _POWER, _PLAYER, _BRIDGE),
+        ("any",),
+        "one status per UAV and node, once a second",
+    ),
+)
+SERVICES = (
+    Service(
+        topics.REPLAN,
+        "std_srvs/srv/Trigger",
+        _PLANNER,
+        "plan anew from the parameters; answers when the plan is published or has failed",
+    ),
+    *(
+        Service(name, "std_srvs/srv/Trigger", _BRIDGE, f"{name.rpartition('/')[2]} the mission")
+        for name in topics.MISSION_SERVICES
+    ),
+)

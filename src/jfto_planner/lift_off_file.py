@@ -1,0 +1,52 @@
+"""When a plan's lift-off is, on disk, so that a restarted planner keeps to it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+
+from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.plan_file import plan_text
+from jfto_msgs_py.read_text import read_text
+from jfto_msgs_py.write_file import write_file
+
+LIFT_OFF_FORMAT = "jfto-lift-off"
+LIFT_OFF_VERSION = 1
+_SIZE_LIMIT = 10_000
+
+
+def write_lift_off(plan: Plan, start_ns: int, path: Path) -> None:
+    """Write a plan's lift-off (ns since the epoch); raises InputError."""
+    document = {
+        "format": LIFT_OFF_FORMAT,
+        "version": LIFT_OFF_VERSION,
+        "plan_sha256": _digest(plan),
+        "start_ns": start_ns,
+    }
+    write_file(path, json.dumps(document, indent=1) + "\n")
+
+
+def read_lift_off(plan: Plan, path: Path) -> int | None:
+    """Lift-off of this very plan, None where the file is not there or for another plan.
+
+    Raises InputError where it is no such file.
+    """
+    if not path.exists():
+        return None
+    text = read_text(path, InputError, "lift-off", _SIZE_LIMIT)
+    try:
+        document = json.loads(text)
+        if (document["format"], document["version"]) != (LIFT_OFF_FORMAT, LIFT_OFF_VERSION):
+            raise ValueError("other format or version")
+        start_ns, digest = int(document["start_ns"]), document["plan_sha256"]
+    except (ValueError, KeyError, TypeError) as error:
+        raise InputError(
+            f"{path}: does not say when lift-off is ({error!r}). Name another file or delete it."
+        ) from None
+    return start_ns if digest == _digest(plan) else None
+
+
+def _digest(plan: Plan) -> str:
+    return hashlib.sha256(plan_text(plan).encode()).hexdigest()

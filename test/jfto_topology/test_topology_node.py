@@ -1,0 +1,190 @@
+"""The topology node: what it makes of plans and poses."""
+
+from __future__ import annotations
+
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PoseStamped
+from std_msgs.msg import Float64MultiArray, UInt8MultiArray
+from trajectory_msgs.msg import MultiDOFJointTrajectory
+from visualization_msgs.msg import Marker, MarkerArray
+
+from jfto_msgs_py.ros import qos, topics
+from jfto_msgs_py.ros.network import decode_adjacency, decode_power_intervals
+from jfto_msgs_py.ros.vehicle import encode_pose, encode_trajectory
+from jfto_topology.topology_node import TopologyNode
+from support.fleets import eastward, pose
+from support.graph import Graph
+
+IDS = ("uav1", "uav2", "uav3")
+
+
+class _Fleet:
+    """Publishes trajectories and poses of three UAVs that fly east, 100 m apart."""
+
+    def __init__(self, graph: Graph) -> None:
+        self.graph = graph
+        node = graph.observer
+        self.trajectories = {
+            uav: node.create_publisher(
+                MultiDOFJointTrajectory, topics.trajectory(uav), qos.latched()
+            )
+            for uav in IDS
+        }
+        self.poses = {
+            uav: node.create_publisher(PoseStamped, topics.pose(uav), qos.sensor()) for uav in IDS
+        }
+        self.adjacency = graph.collect(UInt8MultiArray, topics.ADJACENCY, qos.latched())
+        self.intervals = graph.collect(Float64MultiArray, topics.POWER_INTERVAL, qos.latched())
+        self.markers = graph.collect(MarkerArray, topics.MARKERS, qos.latched())
+        self.diagnostics = graph.collect(DiagnosticArray, topics.DIAGNOSTICS, qos.default())
+
+    def plan(self) -> None:
+        for index, uav in enumerate(IDS):
+            self.trajectories[uav].publish(encode_trajectory(eastward(100.0 * index), uav))
+
+    def measure(self, seconds: float, *uavs: str) -> None:
+        """Poses as planned; best effort, so wait until somebody listens."""
+        for uav in uavs:
+            publisher = self.poses[uav]
+            self.graph.until(lambda publisher=publisher: publisher.get_subscription_count())
+            index = IDS.index(uav)
+            publisher.publish(encode_pose(pose(seconds, 5.0 * seconds, 100.0 * index)))
+
+    def facts(self, name: str) -> dict[str, str]:
+        """Latest diagnostics of one status, its message and level with them."""
+        for message in reversed(self.diagnostics):
+            for status in message.status:
+                if status.name == name:
+                    values = {value.key: value.value for value in status.values}
+                    return values | {"text": status.message, "level": str(status.level[0])}
+        return {}
+
+
+@pytest.fixture
+def graph():
+    """A graph with simulated time."""
+    with Graph() as found:
+        yield found
+
+
+def _start(graph: Graph, **parameters) -> _Fleet:
+    graph.add(TopologyNode, use_sim_time=True, horizon_slots=4, **parameters)
+    fleet = _Fleet(graph)
+    fleet.plan()
+    return fleet
+
+
+def _firsts(fleet: _Fleet) -> list[int]:
+    return [decode_adjacency(message).horizon.first for message in fleet.adjacency]
+
+
+def test_a_slot_is_published_when_its_poses_have_come(graph) -> None:
+    """Adjacency, intervals and markers of one horizon, for all UAVs, without waiting."""
+    fleet = _start(graph)
+    graph.at(2.1)
+    fleet.measure(2.1, *IDS)
+    graph.until(lambda: fleet.adjacency and fleet.intervals and fleet.markers)
+    adjacency = decode_adjacency(fleet.adjacency[-1])
+    intervals = decode_power_intervals(fleet.intervals[-1])
+    assert adjacency.uav_ids == IDS
+    assert (adjacency.horizon.first, adjacency.horizon.count) == (1, 4)
+    assert adjacency.horizon == intervals.horizon
+    assert adjacency.links.sum(axis=2).min() >= 1
+    kinds = {marker.ns: marker.type for marker in fleet.markers[-1].markers[1:]}
+    assert kinds["paths"] == Marker.LINE_STRIP
+    assert kinds["links"] == Marker.LINE_LIST
+    assert kinds["uavs"] == Marker.SPHERE
+
+
+def test_a_late_pose_is_waited_for_until_the_deadline(graph) -> None:
+    """Nothing before pose_wait_s has passed; then the slot comes with all UAVs in it."""
+    fleet = _start(graph)
+    graph.at(1.9)
+    fleet.measure(1.9, *IDS)
+    graph.until(lambda: _firsts(fleet) == [0])
+    graph.at(2.1)
+    fleet.measure(2.1, "uav1", "uav2")
+    graph.at(2.15)
+    assert _firsts(fleet) == [0]
+    graph.at(2.25)
+    graph.until(lambda: _firsts(fleet) == [0, 1])
+    assert decode_adjacency(fleet.adjacency[-1]).uav_ids == IDS
+
+
+def test_a_stale_uav_is_excluded_and_flagged(graph) -> None:
+    """A UAV that is not heard of any more leaves the topology, and diagnostics say why."""
+    fleet = _start(graph, stale_after_s=3.0)
+    graph.at(2.1)
+    fleet.measure(2.1, *IDS)
+    graph.until(lambda: fleet.adjacency)
+    graph.at(6.1)
+    fleet.measure(6.1, "uav1", "uav2")
+    graph.at(6.3)
+    graph.until(lambda: _firsts(fleet)[-1] == 3)
+    assert decode_adjacency(fleet.adjacency[-1]).uav_ids == ("uav1", "uav2")
+    graph.at(7.4)
+    graph.until(lambda: "excluded" in fleet.facts("topology_node: uav3").get("text", ""))
+    assert fleet.facts("topology_node: uav3")["level"] == "3"
+    graph.until(lambda: "margin_db" in fleet.facts("topology_node: uav1"))
+    assert float(fleet.facts("topology_node: uav1")["margin_db"]) > 0
+
+
+def test_malformed_messages_are_counted_and_nothing_stops(graph) -> None:
+    """A NaN, a wrong frame and an empty trajectory are counted by field; the next slot comes."""
+    fleet = _start(graph)
+    counts = graph.executor.get_nodes()[-1].intake.counts
+    graph.at(2.1)
+    graph.until(fleet.poses["uav1"].get_subscription_count)
+    bad = encode_pose(pose(2.1, 0.0, 0.0))
+    bad.pose.position.x = float("nan")
+    fleet.poses["uav1"].publish(bad)
+    graph.until(lambda: len(counts) == 1)
+    bad = encode_pose(pose(2.1, 0.0, 0.0))
+    bad.header.frame_id = "odom"
+    fleet.poses["uav1"].publish(bad)
+    empty = encode_trajectory(eastward(0.0), "uav1")
+    empty.points = []
+    fleet.trajectories["uav1"].publish(empty)
+    graph.until(lambda: len(counts) == 3)
+    wanted = {
+        "malformed /uav1/pose pose.position",
+        "malformed /uav1/pose header.frame_id",
+        "malformed /uav1/jfto/trajectory trajectory.points",
+    }
+    fleet.plan()
+    fleet.measure(2.1, *IDS)
+    graph.until(lambda: fleet.adjacency)
+    for step in range(10):
+        graph.at(3.2 + 1.1 * step)
+        if wanted <= fleet.facts("topology_node: uav1").keys():
+            break
+    graph.until(lambda: wanted <= fleet.facts("topology_node: uav1").keys())
+
+
+def test_an_inactive_node_is_silent(graph) -> None:
+    """Deactivated it publishes nothing; activated again it solves the slot that is due."""
+    fleet = _start(graph)
+    node = graph.executor.get_nodes()[-1]
+    graph.at(2.1)
+    fleet.measure(2.1, *IDS)
+    graph.until(lambda: _firsts(fleet) == [1])
+    node.trigger_deactivate()
+    graph.at(4.1)
+    fleet.measure(4.1, *IDS)
+    graph.at(4.5)
+    assert _firsts(fleet) == [1]
+    node.trigger_activate()
+    graph.until(lambda: _firsts(fleet) == [1, 2])
+
+
+def test_a_late_joiner_gets_the_latest_topology(graph) -> None:
+    """Adjacency, intervals and markers are latched."""
+    fleet = _start(graph)
+    graph.at(2.1)
+    fleet.measure(2.1, *IDS)
+    graph.until(lambda: fleet.adjacency and fleet.intervals and fleet.markers)
+    late = graph.collect(UInt8MultiArray, topics.ADJACENCY, qos.latched())
+    late_markers = graph.collect(MarkerArray, topics.MARKERS, qos.latched())
+    graph.until(lambda: late and late_markers)
+    assert decode_adjacency(late[0]).horizon.first == 1
