@@ -29,12 +29,15 @@ def graph_options(function: _F) -> _F:
 
 @contextlib.contextmanager
 def session_of(spin_time_s: float, node_name: str | None = None) -> Iterator[Session]:
-    """Session that click's context carries, or a new one."""
-    from jfto.ros_cli.session import Session, open_session
+    """Session that click's context carries, or a new one; a signal ends it without a word."""
+    from jfto.ros_cli.session import Session, Stopped, open_session
 
     given = click.get_current_context().find_object(Session)
     if given is not None:
         yield given
         return
-    with open_session(spin_time_s, node_name) as session:
-        yield session
+    try:
+        with open_session(spin_time_s, node_name) as session:
+            yield session
+    except Stopped as stopped:
+        raise click.exceptions.Exit(stopped.status) from None

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import os
+import signal
+import threading
 import time
 from collections.abc import Callable, Iterator
 from typing import Any
-
-import click
 
 EXIT_INTERRUPTED = 130
 EXIT_TERMINATED = 143
@@ -26,29 +26,50 @@ def find_ros() -> None:
     jfto_dds.install()
 
 
-class Terminated(Exception):  # noqa: N818 - it is a request, not a fault
-    """The context was shut down from outside, as SIGTERM does."""
+class Stopped(Exception):  # noqa: N818 - it is a request, not a fault
+    """SIGINT or SIGTERM came; `status` is what the process should end with."""
+
+    def __init__(self, status: int) -> None:
+        super().__init__(status)
+        self.status = status
+
+
+class StopSignals:
+    """Notes SIGINT and SIGTERM, so that work ends between two callbacks and never inside one."""
+
+    def __init__(self) -> None:
+        self.status = 0
+
+    def __enter__(self) -> StopSignals:
+        self._previous: dict[int, Any] = {}
+        if threading.current_thread() is threading.main_thread():
+            for number in (signal.SIGINT, signal.SIGTERM):
+                self._previous[number] = signal.signal(number, self._note)
+        return self
+
+    def _note(self, number: int, _frame: Any) -> None:
+        self.status = EXIT_INTERRUPTED if number == signal.SIGINT else EXIT_TERMINATED
+
+    def __exit__(self, *_exception: object) -> None:
+        for number, previous in self._previous.items():
+            signal.signal(number, previous)
 
 
 class Session:
     """A node and the executor that spins it."""
 
-    def __init__(self, node: Any, executor: Any) -> None:
+    def __init__(self, node: Any, executor: Any, signals: StopSignals) -> None:
         self.node = node
         self._executor = executor
+        self._signals = signals
 
-    def spin_once(self, timeout_s: float | None = None) -> None:
-        """Run what is ready, or wait for it. Raises Terminated when the context is down."""
-        from rclpy.executors import ExternalShutdownException
-
-        if not self.node.context.ok():
-            raise Terminated
-        try:
-            self._executor.spin_once(timeout_sec=timeout_s)
-        except ExternalShutdownException:
-            raise Terminated from None
-        if not self.node.context.ok():
-            raise Terminated
+    def spin_once(self, timeout_s: float) -> None:
+        """Run what is ready, or wait for it. Raises Stopped after SIGINT or SIGTERM."""
+        if self._signals.status:
+            raise Stopped(self._signals.status)
+        self._executor.spin_once(timeout_sec=min(timeout_s, _POLL_S))
+        if self._signals.status:
+            raise Stopped(self._signals.status)
 
     def spin_until(self, condition: Callable[[], bool], timeout_s: float | None = None) -> bool:
         """Spin until a condition holds; False on time-out."""
@@ -57,7 +78,7 @@ class Session:
             left = _POLL_S if end is None else end - time.monotonic()
             if left <= 0:
                 return False
-            self.spin_once(min(left, _POLL_S))
+            self.spin_once(left)
         return True
 
     def discover(self, spin_time_s: float) -> None:
@@ -81,31 +102,28 @@ class Session:
 
 @contextlib.contextmanager
 def open_session(spin_time_s: float, node_name: str | None = None) -> Iterator[Session]:
-    """Join the graph with a hidden node and leave it in the end.
+    """Join the graph with a node, hidden unless named, and leave it in the end.
 
-    SIGINT and SIGTERM leave the block by click's Exit with status 130 and 143, without a word.
+    SIGINT and SIGTERM leave the block by Stopped.
     """
     find_ros()
     import rclpy
     from rclpy.executors import SingleThreadedExecutor
+    from rclpy.signals import SignalHandlerOptions
 
-    rclpy.init(args=[])
-    try:
-        node = rclpy.create_node(
-            node_name or f"_ros2cli_{os.getpid()}", start_parameter_services=False
-        )
-        executor = SingleThreadedExecutor()
-        executor.add_node(node)
-        session = Session(node, executor)
+    with StopSignals() as signals:
+        rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         try:
-            session.discover(spin_time_s)
-            yield session
+            name = node_name or f"_ros2cli_{os.getpid()}"
+            node = rclpy.create_node(name, start_parameter_services=False)
+            executor = SingleThreadedExecutor()
+            executor.add_node(node)
+            session = Session(node, executor, signals)
+            try:
+                session.discover(spin_time_s)
+                yield session
+            finally:
+                executor.shutdown()
+                node.destroy_node()
         finally:
-            executor.shutdown()
-            node.destroy_node()
-    except KeyboardInterrupt:
-        raise click.exceptions.Exit(EXIT_INTERRUPTED) from None
-    except Terminated:
-        raise click.exceptions.Exit(EXIT_TERMINATED) from None
-    finally:
-        rclpy.try_shutdown()
+            rclpy.try_shutdown()

@@ -37,8 +37,7 @@ def test_interrupt_ends_echo_without_a_word(demo):
     head = _read_until(process, "---") + _read_until(process, "---")
     process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=30)
-    assert process.returncode == 130
-    assert err == ""
+    assert (process.returncode, err) == (130, "")
     message = "data: 'héllo \"q\" #1: yes'\n---\n"
     assert (head + out).replace(message, "") == ""
 
@@ -49,8 +48,7 @@ def test_termination_ends_hz_with_143(demo):
     text = _read_until(process, "window")
     process.send_signal(signal.SIGTERM)
     _, err = process.communicate(timeout=30)
-    assert process.returncode == 143
-    assert err == ""
+    assert (process.returncode, err) == (143, "")
     assert text.startswith("average rate: ")
 
 
@@ -61,8 +59,7 @@ def test_reader_that_leaves_ends_echo(demo):
     process.stdout.close()
     process.stdout = None
     _, err = process.communicate(timeout=30)
-    assert process.returncode == 1
-    assert err == ""
+    assert (process.returncode, err) == (1, "")
 
 
 def test_parameter_round_trip_through_processes(demo):

@@ -1,0 +1,122 @@
+"""Reading bags of the real rosbag2, whole and cut off."""
+
+from __future__ import annotations
+
+import shutil
+from collections import Counter
+from itertools import pairwise
+
+import pytest
+from rosbags.interfaces import QosDurability, QosReliability
+from rosbags.typesys import Stores, get_typestore
+
+from jfto.bag.errors import BagError
+from jfto.bag.reader import Bag
+
+COUNTS = {
+    "jazzy_mcap": {"/clock": 115, "/topology": 1, "/uav1/plan": 1, "/uav1/pose": 115,
+                   "/uav2/pose": 115},
+    "jazzy_sqlite3": {"/clock": 117, "/topology": 1, "/uav1/plan": 1, "/uav1/pose": 117,
+                      "/uav2/pose": 117},
+    "jazzy_mcap_zstd": {"/clock": 45, "/topology": 1, "/uav1/plan": 1, "/uav1/pose": 45,
+                        "/uav2/pose": 45},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", COUNTS)
+def test_every_message_is_there_in_order(name, bags):
+    """Counts are those recorded, times do not go back, poses hold what was published."""
+    messages = list(Bag(bags / name).messages())
+    assert Counter(message.topic for message in messages) == COUNTS[name]
+    stamps = [message.stamp_ns for message in messages]
+    assert stamps == sorted(stamps)
+    store = get_typestore(Stores.ROS2_JAZZY)
+    poses = [message for message in messages if message.topic == "/uav1/pose"]
+    assert [message.sequence for message in poses] == list(range(len(poses)))
+    decoded = [store.deserialize_cdr(each.data, each.type_name) for each in poses]
+    steps = {round(b.pose.position.x - a.pose.position.x) for a, b in pairwise(decoded)}
+    assert steps == {1}
+
+
+@pytest.mark.parametrize("name", COUNTS)
+def test_quality_of_service_is_kept(name, bags):
+    """Latched topics and best-effort ones are told apart."""
+    topics = {topic.name: topic.offered[0] for topic in Bag(bags / name).facts.topics}
+    assert topics["/topology"].durability is QosDurability.TRANSIENT_LOCAL
+    assert topics["/uav1/pose"].durability is QosDurability.VOLATILE
+    assert topics["/uav2/pose"].reliability is QosReliability.BEST_EFFORT
+
+
+def test_topics_can_be_chosen_without_changing_sequences(bags):
+    """A message keeps its number whichever topics are read."""
+    bag = Bag(bags / "jazzy_mcap")
+    chosen = [m for m in bag.messages() if m.topic == "/uav2/pose"]
+    assert list(bag.messages({"/uav2/pose"})) == chosen
+
+
+def test_file_without_its_end_gives_whole_chunks_only(bags, tmp_path):
+    """A file cut in its one chunk has lost that chunk, and says so instead of failing."""
+    content = (bags / "jazzy_mcap" / "jazzy_mcap_0.mcap").read_bytes()
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(content[: len(content) // 2])
+    bag = Bag(cut)
+    assert not bag.facts.complete
+    assert list(bag.messages()) == []
+
+
+def test_file_without_its_index_gives_everything(bags, tmp_path):
+    """Only footer and index are gone: all messages are there, with their QoS."""
+    content = (bags / "jazzy_mcap_zstd" / "jazzy_mcap_zstd_0.mcap").read_bytes()
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(content[:-100])
+    bag, whole = Bag(cut), Bag(bags / "jazzy_mcap_zstd")
+    assert list(bag.messages()) == list(whole.messages())
+    assert {topic.name: topic.offered for topic in bag.facts.topics} == {
+        topic.name: topic.offered for topic in whole.facts.topics
+    }
+
+
+def test_sqlite_folder_without_metadata_is_read(bags, tmp_path):
+    """A killed sqlite3 recording lacks metadata.yaml only."""
+    shutil.copy(bags / "jazzy_sqlite3" / "jazzy_sqlite3_0.db3", tmp_path)
+    assert Bag(tmp_path).facts.message_count == 353
+
+
+@pytest.mark.parametrize("content", [b"", b"hello", b"\x89MCAP0\r\n" + b"\xff" * 50])
+def test_damaged_file_is_refused_or_empty(content, tmp_path):
+    """No mcap file is refused by name; one that is damaged after its head holds nothing."""
+    path = tmp_path / "bad.mcap"
+    path.write_bytes(content)
+    if content.startswith(b"\x89MCAP"):
+        assert Bag(path).facts.message_count == 0
+    else:
+        with pytest.raises(BagError, match=r"bad\.mcap"):
+            Bag(path)
+
+
+def test_folder_without_bag_is_refused(tmp_path):
+    """An empty folder and a missing path are named."""
+    with pytest.raises(BagError, match="cannot be read as a bag"):
+        Bag(tmp_path)
+    with pytest.raises(BagError, match="does not exist"):
+        Bag(tmp_path / "nope")
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_bytes_changed_at_random_never_crash(seed, bags, tmp_path):
+    """Whatever is flipped in a file without its end, reading ends in messages or a BagError."""
+    import numpy as np
+
+    rng = np.random.default_rng(seed)
+    content = bytearray((bags / "jazzy_mcap_zstd" / "jazzy_mcap_zstd_0.mcap").read_bytes()[:-40])
+    path = tmp_path / "flipped.mcap"
+    for _ in range(25):
+        damaged = bytearray(content)
+        for position in rng.integers(8, len(damaged), size=5):
+            damaged[position] = rng.integers(256)
+        path.write_bytes(damaged)
+        try:
+            found = sum(1 for _ in Bag(path).messages())
+        except BagError:
+            continue
+        assert 0 <= found <= 137
