@@ -15,6 +15,7 @@ from jfto_sim.arming import Arming
 from jfto_sim.battery import Battery
 from jfto_sim.boot import Boot
 from jfto_sim.camera import Camera
+from jfto_sim.clock import Clock
 from jfto_sim.commands import Commands
 from jfto_sim.config import VehicleConfig
 from jfto_sim.dialect import TEXT_LENGTH, WARNING, Message, mavlink
@@ -47,7 +48,7 @@ _INBOX_MAX = 20_000
 _NOT_HELD = ("COMMAND_ACK", "MESSAGE_INTERVAL")
 
 
-class Vehicle(Flight):
+class Vehicle(Clock, Flight):
     """A vehicle with its persistent storage; `Flight` holds what it knows about its own motion."""
 
     def __init__(self, config: VehicleConfig | None = None) -> None:
@@ -277,33 +278,3 @@ class Vehicle(Flight):
     def kill(self) -> None:
         """Power off for good: it says and does nothing any more."""
         self.dead = True
-
-    # --- clock ---
-
-    @property
-    def time_us(self) -> int:
-        """Microseconds since power-up."""
-        return round(self.time_s * 1e6)
-
-    @property
-    def time_ms(self) -> int:
-        """Milliseconds since power-up."""
-        return int(self.time_s * 1e3 + 1e-6)
-
-    @property
-    def utc_us(self) -> int:
-        """UTC in microseconds."""
-        return self.utc_offset_us + self.time_us
-
-    def seconds_until_utc(self, hour: float, minute: float, second: float) -> float:
-        """Seconds until a time of day; -1 means any; a time just past waits for the next one."""
-        now = self.utc_us / 1e6 % 86400.0
-        clock = (int(now // 3600), int(now // 60) % 60, now % 60.0)
-        if hour >= 0:
-            wanted, span = hour * 3600 + max(minute, 0) * 60 + max(second, 0), 86400.0
-            return (wanted - now) % span
-        if minute >= 0:
-            return float((minute * 60 + max(second, 0) - clock[1] * 60 - clock[2]) % 3600.0)
-        if second >= 0:
-            return float((second - clock[2]) % 60.0)
-        return 0.0

@@ -1,0 +1,38 @@
+"""The vehicle's two clocks: since power-up, and UTC."""
+
+from __future__ import annotations
+
+
+class Clock:
+    """Mixin of `Vehicle`: `time_s` counts from power-up, `utc_offset_us` is UTC at that moment."""
+
+    time_s: float
+    utc_offset_us: int
+
+    @property
+    def time_us(self) -> int:
+        """Microseconds since power-up."""
+        return round(self.time_s * 1e6)
+
+    @property
+    def time_ms(self) -> int:
+        """Milliseconds since power-up."""
+        return int(self.time_s * 1e3 + 1e-6)
+
+    @property
+    def utc_us(self) -> int:
+        """UTC in microseconds."""
+        return self.utc_offset_us + self.time_us
+
+    def seconds_until_utc(self, hour: float, minute: float, second: float) -> float:
+        """Seconds until a time of day; -1 means any; a time just past waits for the next one."""
+        now = self.utc_us / 1e6 % 86400.0
+        clock = (int(now // 3600), int(now // 60) % 60, now % 60.0)
+        if hour >= 0:
+            wanted, span = hour * 3600 + max(minute, 0) * 60 + max(second, 0), 86400.0
+            return (wanted - now) % span
+        if minute >= 0:
+            return float((minute * 60 + max(second, 0) - clock[1] * 60 - clock[2]) % 3600.0)
+        if second >= 0:
+            return float((second - clock[2]) % 60.0)
+        return 0.0
