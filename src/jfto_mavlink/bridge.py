@@ -58,6 +58,7 @@ class Bridge:
         self._ports: dict[LinkAddress, Port] = {}
         self._logs: dict[str, TlogWriter] = {}
         self._unix = unix
+        self._on_event = on_event
         self._wake_read, self._wake_write = os.pipe()
         os.set_blocking(self._wake_read, False)
         os.set_blocking(self._wake_write, False)
@@ -259,7 +260,17 @@ class Bridge:
         return self._ports[link].send(message, peer)
 
     def _write_log(self, uav: str, raw: bytes) -> None:
-        self._logs[uav].write(int(self._unix() * 1e6), raw)
+        """Append to a vehicle's log; a full disk ends the log, not the flight."""
+        log = self._logs.get(uav)
+        if log is None:
+            return
+        try:
+            log.write(int(self._unix() * 1e6), raw)
+        except OSError as error:
+            self._logs.pop(uav).close()
+            if self._on_event is not None:
+                text = f"log {log.path} ended: {error.strerror}"
+                self._on_event(Event(self.clock(), uav, "log", text))
 
     def _release(self) -> None:
         for port in self._ports.values():

@@ -107,6 +107,28 @@ def test_udpout_speaks_first():
             assert bridge.vehicle("uav1").mode_name == "BRAKE"
 
 
+def test_a_log_that_cannot_be_written_ends_and_the_bridge_goes_on(tmp_path):
+    """The disk is full: told once, and the vehicle is still heard."""
+    told = []
+    with (
+        serve("udp:127.0.0.1:0") as server,
+        Bridge(
+            parse_roster([f"uav1=1@udpout:127.0.0.1:{server.addresses(1)[0][1]}"]),
+            clock=ScaledClock(SPEEDUP),
+            log_directory=tmp_path,
+            on_event=told.append,
+        ) as bridge,
+    ):
+        bridge.wait_heard(60.0)
+        full = os.open("/dev/full", os.O_WRONLY)
+        os.dup2(full, bridge._logs["uav1"]._fd)
+        os.close(full)
+        assert wait(lambda: any(event.kind == "log" for event in told))
+        assert bridge.run({"uav1": brake}) == {"uav1": None}
+    (text,) = [event.text for event in told if event.kind == "log"]
+    assert "No space left" in text
+
+
 def test_a_serial_line_carries_frames_both_ways():
     """Over a pseudo-terminal; unplugged, the link is down and says nothing."""
     master, slave = os.openpty()

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from jfto_mavlink.exchange import Report
     from jfto_mavlink.watch import Event
 
-ALARMS = ("link_lost", "battery_low", "failsafe", "fence", "reboot")
+ALARMS = ("link_lost", "battery_low", "failsafe", "fence", "reboot", "log")
 
 
 class FlightScreen:

@@ -111,6 +111,9 @@ class TcpTransport(StreamTransport):
                 self.address.host, self.address.number, type=socket.SOCK_STREAM
             )[0]
         except OSError as error:
+            if self.reopened >= 0:
+                # The name was known before: the name server is away, perhaps with the link.
+                return None
             raise LinkError(102, f"{self.address}: unknown host: {error.strerror}.") from error
         self._socket = socket.socket(family, kind)
         self._socket.setblocking(False)

@@ -50,6 +50,10 @@ class UdpTransport:
             except ConnectionError:
                 # Linux reports here that an earlier datagram met no listener.
                 continue
+            except OSError:
+                # The interface is down for now; heartbeats stop, which is told as a lost link.
+                self.dropped += 1
+                break
             datagrams.append((None if self._target else peer, data))
         return datagrams
 
