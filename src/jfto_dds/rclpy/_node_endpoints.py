@@ -1,4 +1,4 @@
-"""Creating and destroying what a node communicates with: topics, services, timers, guards."""
+"""Creating and destroying what a node communicates with: topics and services."""
 
 from __future__ import annotations
 
@@ -8,41 +8,29 @@ from typing import Any
 from jfto_dds.wire import names
 from jfto_dds.wire.participant import NodeEntry, Participant
 
-from . import _remapping
-from ._names import full_topic_problem, topic_problem, unknown_substitution
-from ._rclpy_pybind11 import DESTROYED_TEXT, RCLError
+from ._node_names import NodeNames
+from ._node_timing import NodeTiming
+from ._qos_settings import to_settings
 from .client import Client
-from .constants import S_TO_NS
 from .event_handler import (
     PublisherEventCallbacks,
     SubscriptionEventCallbacks,
     dds_callbacks,
 )
-from .exceptions import InvalidHandle
-from .guard_condition import GuardCondition
 from .publisher import Publisher
-from .qos import QoSProfile, qos_profile_services_default, to_settings
+from .qos import QoSProfile, qos_profile_services_default
 from .service import Service
 from .subscription import Subscription
-from .timer import Rate, Timer
 from .type_support import check_is_valid_msg_type, check_is_valid_srv_type
-from .validate_full_topic_name import validate_full_topic_name
-from .validate_topic_name import validate_topic_name
 
 
-class NodeEndpoints:
+class NodeEndpoints(NodeNames, NodeTiming):
     """Communication part of :class:`rclpy.node.Node`."""
 
     _participant: Participant
     _entry: NodeEntry
     _context: Any
-    _destroyed: bool
-    _name: str
-    _namespace: str
-    _remap_rules: list[_remapping.Rule]
     _default_callback_group: Any
-    _rate_group: Any
-    _clock: Any
     _logger: Any
     _wake_executor: Callable[[], None]
 
@@ -51,52 +39,9 @@ class NodeEndpoints:
         self._subscriptions: list[Subscription] = []
         self._clients: list[Client] = []
         self._services: list[Service] = []
-        self._timers: list[Timer] = []
-        self._guards: list[GuardCondition] = []
+        self._timers = []
+        self._guards = []
         self._waitables: list[Any] = []
-
-    def _check_alive(self, what: str) -> None:
-        if self._destroyed:
-            raise InvalidHandle(DESTROYED_TEXT)
-        if not self._context.ok():
-            msg = f"Failed to create {what}: rcl node's context is invalid"
-            raise RCLError(msg)
-
-    def _resolve(self, name: str, *, is_service: bool = False, only_expand: bool = False) -> str:
-        """Validate a name, expand it and apply the remap rules."""
-        if name is None:
-            msg = "failed to validate name: topic_name argument is null"
-            raise RCLError(msg)
-        validate_topic_name(name, is_service=is_service)
-        unknown = unknown_substitution(name)
-        if unknown is not None:
-            msg = f"topic name '{name}' is invalid: unknown substitution: {unknown}"
-            raise ValueError(msg)
-        expanded = _remapping.expand(name, self._name, self._namespace)
-        validate_full_topic_name(expanded, is_service=is_service)
-        if only_expand:
-            return expanded
-        kind = "service" if is_service else "topic"
-        return _remapping.remap_name(self._remap_rules, kind, expanded, self._name, self._namespace)
-
-    def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
-        """Say which topic a name stands for."""
-        return self._resolve_quietly(topic, is_service=False, only_expand=only_expand)
-
-    def resolve_service_name(self, service: str, *, only_expand: bool = False) -> str:
-        """Say which service a name stands for."""
-        return self._resolve_quietly(service, is_service=True, only_expand=only_expand)
-
-    def _resolve_quietly(self, name: str, *, is_service: bool, only_expand: bool) -> str:
-        if self._destroyed:
-            raise InvalidHandle(DESTROYED_TEXT)
-        problem = topic_problem(name) or full_topic_problem(
-            _remapping.expand(name, self._name, self._namespace)
-        )
-        if problem is not None:
-            msg = f"failed to resolve name: {problem.text}"
-            raise RCLError(msg)
-        return self._resolve(name, is_service=is_service, only_expand=only_expand)
 
     def create_publisher(
         self,
@@ -266,51 +211,6 @@ class NodeEndpoints:
         self._wake_executor()
         return client
 
-    def create_timer(
-        self,
-        timer_period_sec: float,
-        callback: Callable[[], Any] | None,
-        callback_group: Any = None,
-        clock: Any = None,
-        autostart: bool = True,
-    ) -> Timer:
-        """Create a timer on the node's clock, or on another one."""
-        if not self._context.ok():
-            msg = "failed to create timer: the given context is not valid"
-            raise RCLError(msg)
-        group = callback_group or self._default_callback_group
-        timer = Timer(
-            callback,
-            group,
-            int(float(timer_period_sec) * S_TO_NS),
-            self._clock if clock is None else clock,
-            wake=self._wake_executor,
-            autostart=autostart,
-        )
-        group.add_entity(timer)
-        self._timers.append(timer)
-        self._wake_executor()
-        return timer
-
-    def create_guard_condition(
-        self, callback: Callable[[], Any] | None, callback_group: Any = None
-    ) -> GuardCondition:
-        """Create a guard condition."""
-        group = callback_group or self._default_callback_group
-        guard = GuardCondition(callback, group, self._wake_executor)
-        group.add_entity(guard)
-        self._guards.append(guard)
-        self._wake_executor()
-        return guard
-
-    def create_rate(self, frequency: float, clock: Any = None) -> Rate:
-        """Create a rate, which sleeps so that a loop runs at ``frequency`` (Hz)."""
-        if frequency <= 0:
-            msg = "frequency must be > 0"
-            raise ValueError(msg)
-        timer = self.create_timer(1.0 / frequency, None, self._rate_group, clock)
-        return Rate(timer, context=self._context)
-
     def add_waitable(self, waitable: Any) -> None:
         """Wait for something of the program's own, which is not supported."""
         msg = f"jfto_dds does not support add_waitable ({waitable!r})"
@@ -350,19 +250,6 @@ class NodeEndpoints:
     def destroy_service(self, service: Service) -> bool:
         """Destroy a service; False where it is none of this node's."""
         return self._destroy_from(self._services, service)
-
-    def destroy_timer(self, timer: Timer) -> bool:
-        """Destroy a timer; False where it is none of this node's."""
-        return self._destroy_from(self._timers, timer)
-
-    def destroy_guard_condition(self, guard: GuardCondition) -> bool:
-        """Destroy a guard condition; False where it is none of this node's."""
-        return self._destroy_from(self._guards, guard)
-
-    def destroy_rate(self, rate: Rate) -> bool:
-        """Destroy a rate and wake who sleeps in it."""
-        rate.destroy()
-        return self.destroy_timer(rate._timer)
 
     def _destroy_endpoints(self) -> None:
         owned: list[list[Any]] = [

@@ -10,10 +10,10 @@ from jfto_dds.wire.graph import GraphEndpoint, GraphNode
 from jfto_dds.wire.participant import Participant
 
 from ._names import namespace_problem
+from ._qos_settings import from_settings
 from ._rclpy_pybind11 import DESTROYED_TEXT, NodeNameNonExistentError, RCLError
 from .exceptions import InvalidHandle
 from .expand_topic_name import expand_topic_name
-from .qos import from_settings
 from .topic_endpoint_info import TopicEndpointInfo, TopicEndpointTypeEnum
 from .type_hash import TypeHash
 

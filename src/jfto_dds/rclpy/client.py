@@ -158,8 +158,11 @@ class Client:
         future = self.call_async(request)
         future.add_done_callback(lambda _future: wake.set())
         self.context.on_shutdown(wake.set)
-        if self.context.ok():
-            wake.wait(timeout_sec)
+        try:
+            if self.context.ok():
+                wake.wait(timeout_sec)
+        finally:
+            self.context._forget(wake.set)
         if not future.done():
             self.remove_pending_request(future)
             return None

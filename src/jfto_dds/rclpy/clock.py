@@ -206,13 +206,16 @@ class Clock:
             min_forward=Duration(nanoseconds=1), min_backward=Duration(nanoseconds=-1)
         )
         context.on_shutdown(wake.set)
-        with self.create_jump_callback(threshold, post_callback=jumped):
-            while context.ok() and not changes:
-                left_ns = until.nanoseconds - self._now_ns()
-                if left_ns <= 0:
-                    return True
-                if context.ok() and not changes:
-                    wake.wait(left_ns / 1e9 if self._follows_wall_time else None)
+        try:
+            with self.create_jump_callback(threshold, post_callback=jumped):
+                while context.ok() and not changes:
+                    left_ns = until.nanoseconds - self._now_ns()
+                    if left_ns <= 0:
+                        return True
+                    if context.ok() and not changes:
+                        wake.wait(left_ns / 1e9 if self._follows_wall_time else None)
+        finally:
+            context._forget(wake.set)
         return False
 
     def sleep_for(self, rel_time: Duration, context: Any = None) -> bool:

@@ -137,6 +137,15 @@ class Context:
         is_method = inspect.ismethod(callback)
         self._callbacks.append(weakref.WeakMethod(callback) if is_method else callback)
 
+    def _forget(self, callback: Callable[[], None]) -> None:
+        """Take a callback back that was meant for a while only."""
+        kept = []
+        for reference in self._callbacks:
+            known = reference() if isinstance(reference, weakref.WeakMethod) else reference
+            if known is not None and known != callback:
+                kept.append(reference)
+        self._callbacks = kept
+
     def __enter__(self) -> Context:
         self.init()
         return self
