@@ -84,7 +84,10 @@ class Heading:
         velocity_mps: tuple[float, float],
         dt_s: float,
     ) -> tuple[float, float]:
-        """Advance the demand; `velocity_mps` is the target's. Returns (heading, rate)."""
+        """Advance the demand; `velocity_mps` is the target's.
+
+        Returns the heading and the rate to feed forward, which only a station's own rates are.
+        """
         before = self.demand_deg
         if self.mode is YawMode.FIXED:
             step = math.copysign(min(abs(self._left_deg), self._slew_dps * dt_s), self._left_deg)
@@ -97,7 +100,8 @@ class Heading:
             self.demand_deg = wrap_360(self.demand_deg + self.rate_dps * dt_s)
         elif self.mode in (YawMode.ALONG_TRACK, YawMode.PLACE):
             self._slew(self._wanted(position_m, velocity_mps), dt_s)
-        return self.demand_deg, wrap_180(self.demand_deg - before) / dt_s
+        told = self.mode in (YawMode.RATE, YawMode.STREAM)
+        return self.demand_deg, wrap_180(self.demand_deg - before) / dt_s if told else 0.0
 
     def _wanted(self, position_m: tuple[float, float], velocity_mps: tuple[float, float]) -> float:
         if self.mode is YawMode.PLACE:
