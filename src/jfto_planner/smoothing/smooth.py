@@ -100,7 +100,6 @@ def smooth_route(request: RouteRequest, settings: SmoothingSettings | None = Non
             break
     assert best is not None
     control, duration, passed = _assemble(best, merged_hold)
-    control, duration, passed = _assemble(chain, merged_hold)
     return Trajectory(control, duration, passed[joint_of])
 
 
