@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from jfto_msgs_py.errors import InputError
 from jfto_world.motion.arducopter.wpnav import Airframe
 
+PORT_MAX = 8
 RECORDED_UID2 = (51, 100, 49, 50, 49, 57, 99, 55, 99, 52, 99, 53, 52, 48, 52, 97, 97, 0)
 RECORDED_UTC_AT_BOOT_US = 1_795_312_779_996_533
 
@@ -49,8 +50,8 @@ class VehicleConfig:
                 f"home of vehicle {self.sysid} is {self.home_lat_deg}, {self.home_lon_deg}: "
                 "latitude must be within +-90 and longitude within +-180 degrees."
             )
-        if self.port_count < 1:
-            raise InputError(f"port_count is {self.port_count}, must be at least 1.")
+        if not 1 <= self.port_count <= PORT_MAX:
+            raise InputError(f"port_count is {self.port_count}, must be 1 to {PORT_MAX}.")
         if self.uid2 is not None and len(self.uid2) != 18:
             raise InputError(f"uid2 has {len(self.uid2)} bytes, must have 18.")
         if self.gps_noise_m < 0:

@@ -49,6 +49,19 @@ def _bound(kind: socket.SocketKind, host: str, port: int) -> socket.socket:
     return sock
 
 
+def _open(sock: socket.socket) -> bool:
+    """Whether the other end still holds the connection; closed on this side too if not."""
+    try:
+        gone = sock.recv(1, socket.MSG_PEEK) == b""
+    except BlockingIOError:
+        return True
+    except ConnectionError:
+        gone = True
+    if gone:
+        sock.close()
+    return not gone
+
+
 class UdpEndpoint:
     """UDP. Without a remote it answers whoever spoke last; with one it sends there."""
 
@@ -131,6 +144,7 @@ class TcpEndpoint:
         except (BlockingIOError, ConnectionError):
             return
         client.setblocking(False)
+        self._idle = [idle for idle in self._idle if _open(idle)]
         if self._client is None:
             client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             self._client = client

@@ -9,7 +9,7 @@ from jfto_msgs_py.errors import InputError
 from jfto_sim import Vehicle, VehicleConfig
 from jfto_sim.conformance.pilot import Pilot
 from jfto_sim.dialect import mavlink as m
-from jfto_sim.mission.items import Item
+from jfto_sim.mission.items import NAMES, Item
 
 
 def script(vehicle):
@@ -217,3 +217,48 @@ def test_valid_frames_with_wild_values_do_no_harm():
             0, 1, 1, frame, mask, whole(), whole(), *values[:7], pick(), pick()))  # fmt: skip
         pilot.run(0.05)
     assert np.isfinite(vehicle.body.state).all()
+
+
+def test_wild_missions_are_flown_or_refused():
+    """Random items with random parameters: AUTO neither breaks nor loses its state."""
+    rng = np.random.default_rng(3)
+    commands = [*NAMES, 5001, 5003, 5100, 31000]
+    wild = [0.0, -1.0, 1.0, 2.0, 3.0, 90.0, 1e30, -1e30, 255.0, 70000.0, 0.5]
+    pilot = Pilot(Vehicle(VehicleConfig(parameters={"CAM1_TYPE": 1, "MNT1_TYPE": 1})))
+    pilot.take_off(10.0)
+    vehicle = pilot.vehicle
+    for _ in range(40):
+        items = []
+        for _ in range(6):
+            near = rng.random() < 0.8
+            spread = 5000 if near else 2**30
+            items.append(
+                Item(
+                    int(rng.choice(commands)), int(rng.choice([0, 3, 6, 10])),
+                    tuple(float(rng.choice(wild)) for _ in range(4)),
+                    vehicle.origin[0] + int(rng.integers(-spread, spread)) if near else 0,
+                    vehicle.origin[1] + int(rng.integers(-spread, spread)),
+                    float(rng.choice([0.0, 5.0, 20.0, -30.0])),
+                )
+            )  # fmt: skip
+        for kind in (0, 1, 2):
+            pilot.upload(items, kind)
+        pilot.command(300)
+        pilot.run(8.0)
+        pilot.command(176, 1, 4)
+        assert np.isfinite(vehicle.body.state).all()
+    pilot.every(m.MAVLINK_MSG_ID_GLOBAL_POSITION_INT, 0.1)
+    assert pilot.wait_type("GLOBAL_POSITION_INT")
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), -1.0, 2.0, 1e30])
+def test_wild_fences_are_refused(value):
+    """A polygon with an impossible number of corners, and a float item without a place."""
+    pilot = Pilot(Vehicle())
+    pilot.run(5.0)
+    assert pilot.upload([Item(5001, 0, (value, 0, 0, 0), 1, 1)], 1) == m.MAV_MISSION_ERROR
+    pilot.send(m.MAVLink_mission_count_message(1, 1, 1, 2))
+    pilot.wait_type("MISSION_REQUEST")
+    nan = float("nan")
+    pilot.send(m.MAVLink_mission_item_message(1, 1, 0, 3, 5100, 0, 1, 0, 0, 0, 0, nan, nan, nan, 2))
+    assert pilot.wait_type("MISSION_ACK").message.type == m.MAV_MISSION_INVALID_PARAM5_X

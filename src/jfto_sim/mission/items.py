@@ -9,6 +9,7 @@ from jfto_sim.dialect import Message, mavlink
 from jfto_sim.params import as_float32
 
 LOCATION_ALT_MAX_M = 83000.0
+_DEGREES_MAX = 200.0  # below what 1e-7 degree in 32 bits can hold
 GLOBAL, RELATIVE, TERRAIN = 0, 3, 10
 _FRAMES = {0: GLOBAL, 2: GLOBAL, 5: GLOBAL, 3: RELATIVE, 6: RELATIVE, 10: TERRAIN, 11: TERRAIN}
 
@@ -101,19 +102,25 @@ def _fault_of_place(message: Message, x: int, y: int) -> int:
     return 0 if message.frame in _FRAMES else mavlink.MAV_MISSION_UNSUPPORTED_FRAME
 
 
+def place_of(message: Message) -> tuple[int, int] | None:
+    """Latitude and longitude (1e-7 degree) of either form of item, None where there is none."""
+    if message.get_type() != "MISSION_ITEM":
+        return message.x, message.y
+    if not all(abs(v) < _DEGREES_MAX for v in (message.x, message.y)):
+        return None
+    return int(as_float32(message.x * 1e7)), int(as_float32(message.y * 1e7))
+
+
 def parse(message: Message) -> tuple[Item | None, int]:
     """Item of a MISSION_ITEM_INT or MISSION_ITEM and 0, or None and the MAV_MISSION_RESULT."""
     command = message.command
     fault = _fault_of_command(message)
     if fault:
         return None, fault
-    if message.get_type() == "MISSION_ITEM":
-        if not all(math.isfinite(v) and abs(v) < 200.0 for v in (message.x, message.y)):
-            return None, mavlink.MAV_MISSION_INVALID_PARAM5_X
-        scaled = (as_float32(message.x * 1e7), as_float32(message.y * 1e7))
-        x, y = int(scaled[0]), int(scaled[1])
-    else:
-        x, y = message.x, message.y
+    place = place_of(message)
+    if place is None:
+        return None, mavlink.MAV_MISSION_INVALID_PARAM5_X
+    x, y = place
     params = _kept_params(command, message)
     if command == DIGICAM:
         # shooting command and command identity travel in x and y, as plain numbers

@@ -141,17 +141,22 @@ class MissionProtocol(MissionReading):
             self.vehicle.text(WARNING, note, port)
         self._on_mission_item_int(m, port)
 
+    def _gather(self, m: Message, upload: Upload) -> int:
+        """Keep a fence or rally item until the upload is complete."""
+        known = m.command == RALLY_POINT if m.mission_type == RALLY else 5000 <= m.command < 5005
+        if not known:
+            return mavlink.MAV_MISSION_UNSUPPORTED
+        place = kinds.place_of(m)
+        if place is None:
+            return mavlink.MAV_MISSION_INVALID_PARAM5_X
+        params = (m.param1, m.param2, m.param3, m.param4)
+        frame = kinds.GLOBAL if m.mission_type == FENCE else kinds.RELATIVE
+        upload.gathered.append(Item(m.command, frame, params, *place, m.z))
+        return 0
+
     def _store_item(self, m: Message, upload: Upload) -> int:
         if m.mission_type != MISSION:
-            params = (m.param1, m.param2, m.param3, m.param4)
-            frame = kinds.GLOBAL if m.mission_type == FENCE else kinds.RELATIVE
-            known = (
-                m.command == RALLY_POINT if m.mission_type == RALLY else 5000 <= m.command < 5005
-            )
-            if not known:
-                return mavlink.MAV_MISSION_UNSUPPORTED
-            upload.gathered.append(Item(m.command, frame, params, int(m.x), int(m.y), m.z))
-            return 0
+            return self._gather(m, upload)
         item, fault = kinds.parse(m)
         if item is None:
             return fault

@@ -11,6 +11,7 @@ MISSION_CAPACITY = 650
 CAPACITY = {MISSION: MISSION_CAPACITY, FENCE: 83, RALLY: 19}
 POLYGON_IN, POLYGON_OUT, CIRCLE_IN, CIRCLE_OUT, RETURN_POINT = 5001, 5002, 5003, 5004, 5000
 RALLY_POINT = 5100
+_CORNERS_MIN, _CORNERS_MAX = 3, 255
 
 
 @dataclass
@@ -59,9 +60,9 @@ def fence_fault(items: list[Item]) -> str:
         if item.command in (POLYGON_IN, POLYGON_OUT):
             if left == 0:
                 size = item.params[0]
+                if not _CORNERS_MIN <= size <= _CORNERS_MAX:
+                    return f"Invalid vertex count ({size:.0f})"
                 left, kind = int(size), item.command
-                if left < 3:
-                    return f"Invalid vertex count ({left})"
             elif item.command != kind or item.params[0] != size:
                 return "Unexpected vertex"
             left -= 1

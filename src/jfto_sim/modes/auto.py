@@ -26,6 +26,7 @@ _FLY_THROUGH_BEFORE = frozenset(
 _TURN_S = 30.0
 _NOTICED_LATE_S = 0.03  # how much later than the autopilot's own loop a step sees an arrival
 _NEVER_S = float("inf")
+SPEED_MAX_MPS = 1000.0
 
 
 class Phase(Enum):
@@ -118,11 +119,11 @@ class Auto(FlightMode):
         """DO_CHANGE_SPEED: at once, on the leg in progress too; 2 is climb, 3 is descent."""
         v = self.vehicle
         if kind == 2:
-            v.climb_override_mps = speed_mps
+            v.climb_override_mps = min(speed_mps, SPEED_MAX_MPS)
         elif kind == 3:
-            v.sink_override_mps = speed_mps
+            v.sink_override_mps = min(speed_mps, SPEED_MAX_MPS)
         else:
-            self.speed_mps = speed_mps
+            self.speed_mps = min(speed_mps, SPEED_MAX_MPS)
         self.refresh_limits()
 
     def refresh_limits(self) -> None:
