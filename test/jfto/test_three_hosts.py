@@ -1,0 +1,168 @@
+"""Planner, topology and power on three hosts over a bad radio, each in a network namespace."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import threading
+import time
+from contextlib import ExitStack
+from pathlib import Path
+
+import pytest
+
+from jfto_msgs_py.plan_file import write_plan
+from jfto_msgs_py.scenario import Given, make_scenario
+from support import lossy_switch
+from support.graph import SCENARIO
+from support.plans import side_by_side
+
+LIMIT_S = 40.0
+HOSTS = ("planner", "topology", "power")
+# Runs on the third host too, as somebody who joins there and waits for the graph's last word.
+LISTENER = """
+from jfto.nodes import use_stand_in_where_needed
+use_stand_in_where_needed()
+import rclpy
+from rclpy.wait_for_message import wait_for_message
+from std_msgs.msg import Float64MultiArray
+from jfto_msgs_py.ros import qos, topics
+from jfto_msgs_py.ros.network import decode_power_schedule
+rclpy.init(args=[])
+node = rclpy.create_node("listener")
+found, message = wait_for_message(Float64MultiArray, node, topics.POWER_SCHEDULE,
+                                  qos_profile=qos.latched(), time_to_wait=LIMIT)
+print(",".join(decode_power_schedule(message).uav_ids) if found else "nothing")
+node.destroy_node()
+rclpy.shutdown()
+"""
+
+
+def _run(*command: str) -> None:
+    subprocess.run(command, check=True, capture_output=True, text=True, timeout=10)
+
+
+def _reason_to_skip() -> str:
+    if shutil.which("ip") is None:
+        return "ip is not installed"
+    name = f"jfto{os.getpid()}try"
+    tried = subprocess.run(
+        ["ip", "netns", "add", name], check=False, capture_output=True, text=True
+    )
+    if tried.returncode != 0:
+        return f"network namespaces are not allowed: {tried.stderr.strip()}"
+    _run("ip", "netns", "delete", name)
+    return ""
+
+
+class _Hosts:
+    """Three namespaces on a switch in a fourth that loses 10 % of frames and delays all 50 ms."""
+
+    def __init__(self, stack: ExitStack) -> None:
+        self.stack = stack
+        self._prefix = f"jfto{os.getpid()}"
+        self.address = {host: f"10.213.0.{number}" for number, host in enumerate(HOSTS, 1)}
+        switch = self._namespace("switch")
+        ports = [f"p{number}" for number in range(len(HOSTS))]
+        for port, host in zip(ports, HOSTS, strict=True):
+            space = self._namespace(host)
+            self._in(switch, "ip", "link", "add", port, "type", "veth", "peer", "name", "eth0",
+                     "netns", space)  # fmt: skip
+            self._in(switch, "ip", "link", "set", port, "up")
+            self._in(space, "ip", "address", "add", f"{self.address[host]}/24", "dev", "eth0")
+            self._in(space, "ip", "link", "set", "lo", "up")
+            self._in(space, "ip", "link", "set", "eth0", "multicast", "off", "up")
+        forwarder = subprocess.Popen(
+            ["ip", "netns", "exec", switch, sys.executable, lossy_switch.__file__,
+             "0.1", "0.05", "1", *ports],
+            stdout=subprocess.PIPE,
+            text=True,
+        )  # fmt: skip
+        stack.callback(_end, forwarder)
+        assert forwarder.stdout is not None
+        stack.callback(forwarder.stdout.close)
+        assert forwarder.stdout.readline() == "ready\n"
+
+    def _namespace(self, host: str) -> str:
+        name = f"{self._prefix}{host}"
+        _run("ip", "netns", "add", name)
+        self.stack.callback(_run, "ip", "netns", "delete", name)
+        return name
+
+    def _in(self, space: str, *command: str) -> None:
+        _run("ip", "netns", "exec", space, *command)
+
+    def start(self, host: str, *command: str, log: Path) -> subprocess.Popen:
+        """A Python process on a host, which knows the others by address only."""
+        others = ";".join(self.address[other] for other in HOSTS if other != host)
+        source = str(Path(__file__).parents[2] / "src")
+        with log.open("w") as output:
+            process = subprocess.Popen(
+                ["ip", "netns", "exec", f"{self._prefix}{host}", sys.executable, *command],
+                env={
+                    **os.environ,
+                    "PYTHONPATH": source,
+                    "ROS_DOMAIN_ID": "0",
+                    "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+                    "ROS_STATIC_PEERS": others,
+                },
+                stdout=output,
+                stderr=subprocess.STDOUT,
+            )
+        self.stack.callback(_end, process)
+        return process
+
+
+def _end(process: subprocess.Popen) -> None:
+    process.terminate()
+    try:
+        process.wait(5)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
+def _params_file(path: Path) -> Path:
+    lines = [f"    {name}: {value}" for name, value in SCENARIO.items()]
+    path.write_text("/**:\n  ros__parameters:\n" + "\n".join(lines) + "\n")
+    return path
+
+
+def test_three_hosts_converge_over_a_bad_radio(tmp_path) -> None:
+    """With 10 % loss, 50 ms delay each way, static peers and no multicast a schedule comes."""
+    reason = _reason_to_skip()
+    if reason:
+        pytest.skip(reason)
+    scenario = make_scenario([{name: Given(value, "test") for name, value in SCENARIO.items()}])
+    plan = tmp_path / "plan.json"
+    write_plan(side_by_side(scenario), plan)
+    params = str(_params_file(tmp_path / "scenario.yaml"))
+    own = {
+        "planner_node": ["-p", f"plan_file:={plan}", "-p", "start_delay_s:=0.0"],
+        "pose_player": [],
+        "topology_node": ["-p", "horizon_slots:=4", "-p", "pose_wait_s:=0.5"],
+        "power_node": [],
+    }
+    where = {"planner_node": "planner", "pose_player": "planner", "topology_node": "topology",
+             "power_node": "power"}  # fmt: skip
+    with ExitStack() as stack:
+        hosts = _Hosts(stack)
+        for name, options in own.items():
+            hosts.start(
+                where[name], "-m", "jfto.nodes", name, "--ros-args", "--params-file", params,
+                *options, log=tmp_path / f"{name}.log",
+            )  # fmt: skip
+        heard = tmp_path / "listener.log"
+        code = LISTENER.replace("LIMIT", str(LIMIT_S))
+        listener = hosts.start("power", "-c", code, log=heard)
+        _await(listener)
+        logs = {file.name: file.read_text() for file in tmp_path.glob("*.log")}
+    assert logs["listener.log"].split() == ["uav1,uav2,uav3"], logs
+
+
+def _await(process: subprocess.Popen) -> None:
+    end, tick = time.monotonic() + LIMIT_S + 10, threading.Event()
+    while process.poll() is None and time.monotonic() < end:
+        tick.wait(0.05)
