@@ -20,7 +20,8 @@ from jfto_mavlink.files.tlog import read_tlog
 from jfto_mavlink.fleet.release import deliver_to_fleet
 from jfto_mavlink.flight.control import brake
 from jfto_mavlink.link.address import parse_address
-from jfto_mavlink.link.port import open_transport
+from jfto_mavlink.link.port import Station, open_transport
+from jfto_mavlink.mission.deliver import deliver
 from jfto_mavlink.mission.item import MISSION, Item, Mission
 from jfto_mavlink.roster import Roster, parse_roster
 from jfto_sim import VehicleConfig
@@ -203,6 +204,36 @@ def test_floods_of_rubbish_leave_the_bridge_working():
         assert len(bridge.ports[0]._framers) <= 64
         assert len(bridge.hub.foreign) <= 256
         assert deliver_to_fleet(bridge, {"uav1": mission()}).release()
+
+
+def test_two_stations_do_not_fight_over_a_vehicle():
+    """Both upload at once on two ports: one mission stays, proven by its station."""
+    configs = [VehicleConfig(sysid=1)]
+    settings = ServerSettings((("udp:127.0.0.1:0", "udp:127.0.0.1:0"),), SPEEDUP)
+    with SimServer(configs, settings) as server:
+        first, second = (f"uav1=1@udpout:127.0.0.1:{p}" for _, p in server.addresses(1))
+        store = server.stations[1].vehicle.store
+        with (
+            Bridge(parse_roster([first]), clock=ScaledClock(SPEEDUP)) as a,
+            Bridge(
+                parse_roster([second]), clock=ScaledClock(SPEEDUP), station=Station(254, 191)
+            ) as b,
+        ):
+            a.wait_heard(60.0)
+            b.wait_heard(60.0)
+            long, short = mission(500, shift=3), mission(20, shift=4)
+            begun = a.start("uav1", lambda context: deliver(context, long))
+            assert wait(lambda: store.count(MISSION) > 50)
+            other = b.start("uav1", lambda context: deliver(context, short))
+            endings = [begun.exception(120.0), other.exception(120.0)]
+        on_board = held(server, 1)
+    proven = {
+        tuple(item.x for item in sent.items[2:-1])
+        for sent, error in zip((long, short), endings, strict=True)
+        if error is None
+    }
+    assert all(error is None or error.code == 402 for error in endings)
+    assert tuple(on_board) in proven
 
 
 STATION = """

@@ -53,10 +53,16 @@ if TYPE_CHECKING:
 @click.option("--yes", is_flag=True, help="Start real vehicles without asking.")
 @build_options
 @debug_option
-def command(plan: Path, out: Path | None, stagger: float,
+def command(
+    plan: Path,
+    out: Path | None,
+    stagger: float,
     gates: tuple[int, ...],
-    lead: float, yes: bool, debug: bool,  # noqa: ARG001
-            **choices: Any) -> int:  # fmt: skip
+    lead: float,
+    yes: bool,
+    debug: bool,  # noqa: ARG001  main() reads it
+    **choices: Any,
+) -> int:
     """Fly PLAN from the pads to the landing: upload, verify, check, arm, start, follow.
 
     Every vehicle must hold its verified mission and pass its checks, or none is armed. Writes a

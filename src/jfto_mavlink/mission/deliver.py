@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from jfto_mavlink.dialect import MODES, mavlink
 from jfto_mavlink.errors import CommandError, TransferError
 from jfto_mavlink.exchange import Context, Exchange, Report, Send, Wait, backoff
-from jfto_mavlink.mission.download import download
+from jfto_mavlink.mission.download import download, read_back
 from jfto_mavlink.mission.item import FENCE, MISSION, RALLY, TYPE_NAMES, Item, Mission
 from jfto_mavlink.mission.stored import differences, mission_hash
 from jfto_mavlink.mission.transfer import ACCEPTED, BUSY, ERROR, Patience, ack_name, ack_type
@@ -53,6 +53,10 @@ def deliver(
         for name, value in mission.parameters:
             yield from set_parameter(context, name, value)
     except (TransferError, CommandError) as error:
+        if error.code == 402:
+            # Not ours to clear.
+            state = "What the vehicle holds is the other station's."
+            raise TransferError(error.code, _without_code(error), state) from error
         state = yield from _tidy_up(context, before, patience)
         raise TransferError(error.code, _without_code(error), state) from error
     return Delivered(context.uav, mission_hash(mission), context.clock() - begun_s)
@@ -118,10 +122,14 @@ def _deliver_type(
             yield from upload(context, items, mission_type, patience)
         else:
             yield from clear(context, mission_type, patience)
-        held = yield from download(context, mission_type, patience)
-        found = differences(items, held, mission_type)
+        held = yield from read_back(context, mission_type, patience)
+        found = differences(items, held.items, mission_type)
         if not found:
             return
+        if held.contested:
+            raise TransferError(
+                402, f"{context.uav}: {name} was written over by another station after ours."
+            )
         yield Report(f"{name} differs after upload {attempt + 1}: {found[0]}")
     words = "".join(f' "{text}"' for text in context.vehicle.texts_since(begun_s))
     raise TransferError(

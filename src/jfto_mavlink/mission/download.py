@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from jfto_mavlink.dialect import Message, mavlink
 from jfto_mavlink.errors import TransferError
 from jfto_mavlink.exchange import Context, Exchange, Report, Send, Wait, backoff
@@ -13,14 +15,29 @@ def download(
     context: Context, mission_type: int = MISSION, patience: Patience | None = None
 ) -> Exchange[tuple[Item, ...]]:
     """Items on board. Raises TransferError 402 (busy) or 403 (no answer)."""
-    patience = patience or Patience()
-    count = yield from _count(context, mission_type, patience)
-    items = yield from _items(context, mission_type, count, patience)
+    return (yield from read_back(context, mission_type, patience or Patience())).items
+
+
+@dataclass
+class ReadBack:
+    """Items on board, and whether another station was writing while they were read."""
+
+    items: tuple[Item, ...] = ()
+    contested: bool = False
+
+
+def read_back(context: Context, mission_type: int, patience: Patience) -> Exchange[ReadBack]:
+    """Like `download`, with a word on other stations."""
+    found = ReadBack()
+    count = yield from _count(context, mission_type, patience, found)
+    found.items = yield from _items(context, mission_type, count, patience, found)
     yield Send(mavlink.MAVLink_mission_ack_message(*context.target, ACCEPTED, mission_type))
-    return items
+    return found
 
 
-def _count(context: Context, mission_type: int, patience: Patience) -> Exchange[int]:
+def _count(
+    context: Context, mission_type: int, patience: Patience, found: ReadBack
+) -> Exchange[int]:
     heard_s = busy_s = context.clock()
     waits = backoff(context.round_trip.timeout_s, patience.resend_ceiling_s)
     while True:
@@ -30,14 +47,11 @@ def _count(context: Context, mission_type: int, patience: Patience) -> Exchange[
             message = yield Wait(until_s)
             if message is None:
                 continue
-            if (
-                message.get_type() == "MISSION_COUNT"
-                and message.mission_type == mission_type
-                and context.addressed(message)
-            ):
+            if _is_count(context, message, mission_type):
                 return message.count
             code = ack_type(context, message, mission_type)
             if code == BUSY:
+                found.contested = True
                 heard_s = context.clock()
                 if heard_s - busy_s > patience.busy_s:
                     raise _error(context, 402, mission_type, "another station holds the mission.")
@@ -52,13 +66,14 @@ def _count(context: Context, mission_type: int, patience: Patience) -> Exchange[
 
 
 def _items(
-    context: Context, mission_type: int, count: int, patience: Patience
+    context: Context, mission_type: int, count: int, patience: Patience, found: ReadBack
 ) -> Exchange[tuple[Item, ...]]:
     """All items, asked for in a window; a question unanswered is asked again after a while."""
     held: dict[int, Item] = {}
     due: dict[int, float] = {}
     wait_s = dict.fromkeys(range(count), context.round_trip.timeout_s)
     progress_s = context.clock()
+    shorter = 0
     while len(held) < count:
         now_s = context.clock()
         if now_s - progress_s > patience.lost_s:
@@ -78,14 +93,29 @@ def _items(
             continue
         code = ack_type(context, message, mission_type)
         if code == BUSY:
+            found.contested = True
             for seq in due:
                 due[seq] = context.clock() + patience.busy_retry_s
+        elif _is_count(context, message, mission_type) and message.count < count:
+            # The answer to a question past the end: the list has become shorter meanwhile. A single
+            # one may be an old copy.
+            shorter += 1
+            if shorter > 1:
+                raise _error(context, 402, mission_type, "another station changed it meanwhile.")
         elif _is_item(context, message, mission_type) and message.seq < count:
             if message.seq not in held:
                 progress_s = context.clock()
                 yield Report(f"{TYPE_NAMES[mission_type]} read back", len(held) + 1, count)
             held[message.seq] = item_from_message(message)
     return tuple(held[seq] for seq in range(count))
+
+
+def _is_count(context: Context, message: Message, mission_type: int) -> bool:
+    return (
+        message.get_type() == "MISSION_COUNT"
+        and message.mission_type == mission_type
+        and context.addressed(message)
+    )
 
 
 def _is_item(context: Context, message: Message, mission_type: int) -> bool:
