@@ -17,8 +17,11 @@ class Duration:
     __hash__ = None  # type: ignore[assignment]
 
     def __init__(self, *, seconds: float = 0, nanoseconds: int = 0) -> None:
-        total = int(seconds * S_TO_NS)
-        total += int(nanoseconds)
+        if isinstance(seconds, str):
+            # Multiplied, it would become a string of a gigabyte.
+            msg = f"seconds is {seconds!r}, must be a number"
+            raise TypeError(msg)
+        total = int(seconds * S_TO_NS) + int(nanoseconds)
         if not -_LIMIT <= total < _LIMIT:
             msg = "Total nanoseconds value is too large to store in C duration."
             raise OverflowError(msg)
