@@ -17,6 +17,8 @@ from jfto.bag.errors import BagError
 from jfto.bag.reader import EMPTY_START_NS
 from jfto_msgs_py.write_file import write_file
 
+# Beside the bag: the parameters of the nodes that were recorded, for a replay.
+PARAMETERS_NAME = "parameters.yaml"
 _VERSION: Literal[9] = 9
 
 

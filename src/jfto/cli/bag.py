@@ -50,11 +50,19 @@ def info(bag: Path, names_only: bool, verbose: bool, debug: bool) -> int:  # noq
 @click.option("--include-hidden-topics", "hidden", is_flag=True)
 @click.option("-o", "--output", "output", type=_PATH, metavar="DIR", help="Folder to make.")
 @click.option("--compress", is_flag=True, help="Compress the messages with zstd.")
+@click.option(
+    "--params-file",
+    "parameters",
+    type=_PATH,
+    metavar="FILE",
+    help="Keep this parameter file in the bag, for `jfto bag replay`.",
+)
 @graph_options
 @debug_option
 def record(
     topics: tuple[str, ...],
     output: Path | None,
+    parameters: Path | None,
     spin_time: float,
     debug: bool,  # noqa: ARG001
     **choices: Any,
@@ -64,7 +72,8 @@ def record(
     An mcap bag of version 9 that `ros2 bag` plays. A kill costs no more than the last second.
     """
     from jfto.bag.record import NODE_NAME, Choice, Recording
-    from jfto.bag.recorder import BagRecorder
+    from jfto.bag.recorder import PARAMETERS_NAME, BagRecorder
+    from jfto_msgs_py.write_file import write_file
 
     chosen = Choice(
         topics=(*topics, *choices["more_topics"]),
@@ -80,18 +89,28 @@ def record(
             err=True,
         )
         return 1
+    kept = None if parameters is None else _read_parameters(parameters)
     path = output or Path(time.strftime("rosbag2_%Y_%m_%d-%H_%M_%S"))
     if path.exists():
         click.echo(f"[ERROR] [ros2bag]: Output folder '{path}' already exists.", err=True)
         return 1
     with session_of(spin_time, NODE_NAME) as session:
         recorder = BagRecorder(path, compress=choices["compress"])
+        if kept is not None:
+            write_file(path / PARAMETERS_NAME, kept)
         try:
             Recording(session, recorder, chosen).run()
         finally:
             recorder.close()
     click.echo(f"{path}: {recorder.message_count} messages", err=True)
     return 0
+
+
+def _read_parameters(path: Path) -> str:
+    try:
+        return path.read_text("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise click.BadParameter(f"{path}: {error}", param_hint="--params-file") from None
 
 
 def _pattern(text: str | None) -> re.Pattern[str] | None:
@@ -159,3 +178,69 @@ def _remap(rules: list[str]) -> dict[str, str]:
         if not (old and new):
             raise click.BadParameter(f"'{old}' is not OLD:=NEW.", param_hint="--remap")
     return {old: new for old, _, new in pairs}
+
+
+@command.command("replay")
+@click.argument("bag", type=_PATH)
+@click.option(
+    "--nodes",
+    default="topology,power",
+    show_default=True,
+    metavar="NAMES",
+    help="Nodes to feed, separated by commas.",
+)
+@click.option(
+    "--params-file",
+    "parameters",
+    type=_PATH,
+    metavar="FILE",
+    help="Parameters of the run: its scenario. Default: BAG/parameters.yaml.",
+)
+@click.option(
+    "--tolerance",
+    "tolerance_db",
+    type=click.FloatRange(0),
+    default=0.05,
+    show_default=True,
+    metavar="DB",
+    help="By how much powers may differ; links may not.",
+)
+@click.option("-o", "--output", type=_PATH, metavar="DIR", help="Write the outputs as a bag.")
+@debug_option
+def replay(
+    bag: Path,
+    nodes: str,
+    parameters: Path | None,
+    tolerance_db: float,
+    output: Path | None,
+    debug: bool,  # noqa: ARG001
+) -> int:
+    """Feed BAG to nodes by message time, and compare their outputs with the recorded ones.
+
+    No network and no clock: the same bag gives the same bytes. Status 0 if all outputs are within
+    the tolerance, 1 if not.
+    """
+    from jfto.bag.reader import Bag
+    from jfto.bag.recorder import PARAMETERS_NAME
+    from jfto.bag.replay import replay_bag, write_outputs
+    from jfto.bag.replay_node import NODES
+
+    names = [name.strip() for name in nodes.split(",") if name.strip()]
+    unknown = [name for name in names if name not in NODES]
+    if unknown or not names:
+        raise click.BadParameter(f"choose from {', '.join(NODES)}.", param_hint="--nodes")
+    found = replay_bag(Bag(bag), names, parameters or bag / PARAMETERS_NAME, tolerance_db)
+    if output is not None:
+        write_outputs(found, output)
+    click.echo(f"{found.input_count} inputs, {len(found.outputs)} outputs, {found.digest[:16]}")
+    for each in found.comparisons:
+        mark = "✗" if each.problems else "✓"
+        click.echo(
+            f"{mark} {each.topic}: {each.recorded} recorded, {each.replayed} replayed, "
+            f"{each.compared} compared, {each.worst:.3g} {each.unit} at worst"
+        )
+        for problem in each.problems[:10]:
+            click.echo(f"    {problem}", err=True)
+        if len(each.problems) > 10:
+            click.echo(f"    and {len(each.problems) - 10} more", err=True)
+    return 1 if any(each.problems for each in found.comparisons) else 0

@@ -1,0 +1,127 @@
+"""`bag replay`: recorded inputs through the real nodes, and their outputs compared."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from jfto.bag.comparison import Stamped, TopicComparison, compare_topic
+from jfto.bag.errors import BagError
+from jfto.bag.reader import Bag, BagMessage
+from jfto.bag.recorder import BagRecorder
+from jfto.bag.replay_clock import ReplayClock
+from jfto.bag.replay_node import Output, replay_nodes
+from jfto_msgs_py.ros import topics
+
+
+@dataclass(frozen=True)
+class Replay:
+    """Outputs of a replay in their order, and how each topic compares."""
+
+    outputs: tuple[Output, ...]
+    comparisons: tuple[TopicComparison, ...]
+    input_count: int
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of topics, times and bytes of all outputs."""
+        sha = hashlib.sha256()
+        for output in self.outputs:
+            head = f"{output.topic} {output.stamp_ns} {len(output.data)}\n"
+            sha.update(head.encode() + output.data)
+        return sha.hexdigest()
+
+
+def replay_bag(bag: Bag, node_names: list[str], parameters: Path, tolerance_db: float) -> Replay:
+    """Feed a bag to nodes by the time of its messages.
+
+    Messages come in the order of (time, topic, number within the topic). Each node gets what was
+    recorded, also where another node of the replay publishes it. Raises BagError for a bag that
+    lacks an input, JftoError for parameters that do not fit.
+    """
+    messages = sorted(bag.messages(), key=lambda each: (each.stamp_ns, each.topic, each.sequence))
+    if not messages:
+        raise BagError(f"{bag.path}: holds no messages.")
+    outputs: list[Output] = []
+    clock = ReplayClock(messages[0].stamp_ns)
+    with replay_nodes(node_names, parameters, clock, outputs) as nodes:
+        _require_inputs(bag, nodes)
+        input_count = _feed(messages, nodes, clock)
+    # Diagnostics and markers are for people; what other nodes act on is compared.
+    acted_on = [each for each in outputs if _is_compared(each.topic)]
+    comparisons = _compare(messages, nodes, acted_on, tolerance_db)
+    return Replay(tuple(acted_on), comparisons, input_count)
+
+
+def _require_inputs(bag: Bag, nodes: list[Any]) -> None:
+    present = {topic.name for topic in bag.facts.topics if topic.count}
+    for node in nodes:
+        missing = sorted(set(node.inputs) - present)
+        if missing:
+            raise BagError(
+                f"{bag.path}: holds nothing on {', '.join(missing)}, which {node.get_name()} "
+                "needs. Record with --all, from before the nodes start."
+            )
+
+
+def _feed(messages: list[BagMessage], nodes: list[Any], clock: ReplayClock) -> int:
+    from rclpy.serialization import deserialize_message
+
+    count = 0
+    for message in messages:
+        clock.advance(message.stamp_ns)
+        for node in nodes:
+            entry = node.inputs.get(message.topic)
+            if entry is not None:
+                entry.callback(deserialize_message(message.data, entry.kind))
+                count += 1
+    return count
+
+
+def _is_compared(topic: str) -> bool:
+    horizons = {topics.ADJACENCY, topics.POWER_INTERVAL, topics.POWER_SCHEDULE}
+    return topic in horizons or topic.endswith(topics.tx_power("").removeprefix("/"))
+
+
+def _compare(
+    messages: list[BagMessage], nodes: list[Any], outputs: list[Output], tolerance_db: float
+) -> tuple[TopicComparison, ...]:
+    from rclpy.serialization import deserialize_message
+
+    from jfto.ros_cli.interfaces import message_class
+
+    published = sorted({topic for node in nodes for topic in node.published if _is_compared(topic)})
+    found = []
+    for topic in published:
+        recorded = [
+            Stamped(
+                message.stamp_ns,
+                deserialize_message(message.data, message_class(message.type_name)),
+            )
+            for message in messages
+            if message.topic == topic
+        ]
+        replayed = [
+            Stamped(output.stamp_ns, output.message) for output in outputs if output.topic == topic
+        ]
+        found.append(compare_topic(topic, recorded, replayed, tolerance_db))
+    return tuple(found)
+
+
+def write_outputs(replay: Replay, path: Path) -> None:
+    """Write the outputs as a bag. Raises BagError where that cannot be."""
+    recorder = BagRecorder(path)
+    known: set[str] = set()
+    for output in replay.outputs:
+        if output.topic not in known:
+            known.add(output.topic)
+            recorder.add_topic(output.topic, _type_name(output.message), [])
+        recorder.write(output.topic, output.stamp_ns, output.data)
+    recorder.close()
+
+
+def _type_name(message: Any) -> str:
+    package, kind, _ = type(message).__module__.split(".")
+    return f"{package}/{kind}/{type(message).__name__}"
