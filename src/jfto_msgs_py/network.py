@@ -11,6 +11,10 @@ from jfto_msgs_py.errors import MessageError
 
 Array = NDArray[np.float64]
 
+LEAST_SLOT_S = 1e-6
+# Times are nanoseconds in 64 bits; builtin_interfaces/Time ends in 2038 anyway.
+LATEST_NS = 2**62
+
 
 @dataclass(frozen=True)
 class SlotHorizon:
@@ -29,10 +33,14 @@ class SlotHorizon:
             raise MessageError("slot.first", f"is {self.first}, must be 0 or more")
         if self.t0_ns < 0:
             raise MessageError("slot.t0", f"is {self.t0_ns} ns, must be 0 or more")
-        if not (np.isfinite(self.duration_s) and self.duration_s > 0):
-            raise MessageError("slot.dt", f"is {self.duration_s} s, must be positive")
+        if not LEAST_SLOT_S <= self.duration_s < np.inf:
+            raise MessageError(
+                "slot.dt", f"is {self.duration_s} s, must be {LEAST_SLOT_S} s or more"
+            )
         if self.count < 1:
             raise MessageError("slot.count", f"is {self.count}, must be at least 1")
+        if self.t0_ns + self.count * self.duration_s * 1e9 >= LATEST_NS:
+            raise MessageError("slot.t0", "the horizon ends beyond what a time can hold")
 
     @property
     def instants_ns(self) -> NDArray[np.int64]:

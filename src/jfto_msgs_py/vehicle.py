@@ -11,6 +11,9 @@ from jfto_msgs_py.errors import MessageError
 
 Array = NDArray[np.float64]
 
+# No local frame reaches further: a quarter of the way around the Earth.
+FARTHEST_M = 1e7
+
 
 @dataclass(frozen=True, eq=False)
 class TimedPath:
@@ -31,6 +34,7 @@ class TimedPath:
             raise MessageError("path.poses", "needs one stamp and one heading per point")
         if not (np.isfinite(self.points_m).all() and np.isfinite(self.yaw_deg).all()):
             raise MessageError("path.poses", "holds a number that is not finite")
+        _check_near("path.poses", self.points_m)
         if (np.diff(self.arrival_ns) < 0).any():
             raise MessageError("path.poses", "stamps go backward")
 
@@ -58,6 +62,7 @@ class TimedTrajectory:
                 raise MessageError(f"trajectory.{name}", f"shape is {array.shape}")
             if not np.isfinite(array).all():
                 raise MessageError(f"trajectory.{name}", "holds a number that is not finite")
+        _check_near("trajectory.position_m", self.position_m)
         if (np.diff(self.offset_ns) <= 0).any():
             raise MessageError("trajectory.points", "time_from_start does not grow")
 
@@ -76,3 +81,10 @@ class VehiclePose:
     def __post_init__(self) -> None:
         if not np.isfinite((*self.position_m, self.yaw_deg)).all():
             raise MessageError("pose.position", "holds a number that is not finite")
+        _check_near("pose.position", np.array(self.position_m))
+
+
+def _check_near(field: str, positions_m: Array) -> None:
+    """Refuse places that cannot be local: squares of wild numbers overflow further on."""
+    if (np.abs(positions_m) > FARTHEST_M).any():
+        raise MessageError(field, f"is beyond {FARTHEST_M:.0e} m from the origin")

@@ -21,7 +21,7 @@ from jfto_msgs_py.ros.network import (
     decode_power_intervals,
     encode_power_schedule,
 )
-from jfto_msgs_py.ros.vehicle import decode_pose, decode_trajectory
+from jfto_msgs_py.ros.vehicle import decode_trajectory
 from jfto_msgs_py.scenario import Scenario
 from jfto_msgs_py.scenario.key import param
 from jfto_msgs_py.units import w_to_dbm
@@ -118,7 +118,7 @@ class PowerNode(GraphNode[PowerOptions]):
             self._solve()
 
     def _on_pose(self, uav: str, message: Any) -> None:
-        pose = self.intake.take(topics.pose(uav), decode_pose, message)
+        pose = self.take_pose(uav, message)
         if pose is not None:
             self._prediction.set_pose(uav, pose)
 

@@ -12,11 +12,12 @@ from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 from visualization_msgs.msg import MarkerArray
 
+from jfto_msgs_py.errors import InputError, MessageError
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.diagnostics import ERROR, OK, STALE, WARN, Status
 from jfto_msgs_py.ros.graph_node import GraphNode
 from jfto_msgs_py.ros.network import encode_adjacency, encode_power_intervals
-from jfto_msgs_py.ros.vehicle import decode_pose, decode_trajectory
+from jfto_msgs_py.ros.vehicle import decode_trajectory
 from jfto_msgs_py.scenario import Scenario
 from jfto_msgs_py.scenario.key import param
 from jfto_msgs_py.units import dbm_to_w, ratio_to_db
@@ -108,21 +109,29 @@ class TopologyNode(GraphNode[TopologyOptions]):
         self._horizon = None
         # Plans of one planning begin together; until all are there, the fleet has none.
         if self._plan.complete:
-            slots = self._mission.slot_count
-            duration_s = self._mission.horizon_s or self._plan.duration_s
-            options = self._options
-            settings = HorizonSettings(
-                slots,
-                duration_s / slots,
-                options.horizon_slots,
-                options.stale_after_s,
-                min(options.pose_wait_s, 0.5 * duration_s / slots),
-            )
-            self._horizon = TopologyHorizon(self._prediction, self._links, settings)
+            try:
+                self._horizon = self._make_horizon()
+            except InputError as error:
+                self.intake.refuse(topics.trajectory(uav), MessageError("points", str(error)))
+                return
             self._step()
 
+    def _make_horizon(self) -> TopologyHorizon:
+        """Slots of the mission over the plan; raises InputError where that makes none."""
+        slots, options = self._mission.slot_count, self._options
+        duration_s = self._mission.horizon_s or self._plan.duration_s
+        settings = HorizonSettings(
+            slots,
+            duration_s / slots,
+            options.horizon_slots,
+            options.stale_after_s,
+            # A short slot leaves less time to wait.
+            min(options.pose_wait_s, 0.5 * duration_s / slots),
+        )
+        return TopologyHorizon(self._prediction, self._links, settings)
+
     def _on_pose(self, uav: str, message: Any) -> None:
-        pose = self.intake.take(topics.pose(uav), decode_pose, message)
+        pose = self.take_pose(uav, message)
         if pose is not None and self._prediction.set_pose(uav, pose):
             self._step()
 

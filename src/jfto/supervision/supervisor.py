@@ -10,12 +10,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from jfto.supervision.back_off import BackOff, BackOffSettings
+from jfto.supervision.log_tail import LogTail
 from jfto.supervision.process import NodeCommand, Process, ending
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.write_file import write_file
 
 # A node ends within 2 s of SIGINT; one that does not is killed.
 _PATIENCE_S = 4.0
+# How often logs are looked at for errors.
+_LOOK_S = 0.5
 STATUS_NAME = "status.json"
 LOGS = "logs"
 
@@ -26,6 +29,7 @@ class _Slot:
 
     node: NodeCommand
     back_off: BackOff
+    tail: LogTail
     process: Process | None = None
     again_at_s: float | None = None
     restarts: int = 0
@@ -56,7 +60,10 @@ class Supervisor:
         settings: BackOffSettings | None = None,
     ) -> None:
         chosen = settings or BackOffSettings()
-        self._slots = [_Slot(node, BackOff(chosen)) for node in nodes]
+        self._slots = [
+            _Slot(node, BackOff(chosen), LogTail(directory / LOGS / f"{node.name}.log"))
+            for node in nodes
+        ]
         self._directory = directory
         self._tell = tell
         self._events: queue.SimpleQueue[tuple[_Slot, Process, int] | None] = queue.SimpleQueue()
@@ -92,13 +99,9 @@ class Supervisor:
     def _watch(self) -> bool:
         while True:
             try:
-                event = self._events.get(timeout=self._next_start_s())
+                event = self._events.get(timeout=self._next_look_s())
             except queue.Empty:
-                for slot in self._slots:
-                    if slot.again_at_s is not None and slot.again_at_s <= time.monotonic():
-                        slot.restarts += 1
-                        self._start(slot)
-                self._write_status()
+                self._look()
                 continue
             if event is None:
                 return True
@@ -106,9 +109,20 @@ class Supervisor:
             if slot.process is process and not self._mourn(slot, process, status):
                 return False
 
-    def _next_start_s(self) -> float | None:
-        times = [slot.again_at_s for slot in self._slots if slot.again_at_s is not None]
-        return max(min(times) - time.monotonic(), 0.0) if times else None
+    def _next_look_s(self) -> float:
+        now_s = time.monotonic()
+        waits = [slot.again_at_s - now_s for slot in self._slots if slot.again_at_s is not None]
+        return max(min([_LOOK_S, *waits]), 0.0)
+
+    def _look(self) -> None:
+        """Start again whom it is time for, and pass on what nodes complain about."""
+        for slot in self._slots:
+            if slot.again_at_s is not None and slot.again_at_s <= time.monotonic():
+                slot.restarts += 1
+                self._start(slot)
+                self._write_status()
+            for complaint in slot.tail.complaints():
+                self._tell(slot.node.name, f"⚠ {complaint}")
 
     def _start(self, slot: _Slot) -> None:
         log = self._directory / LOGS / f"{slot.node.name}.log"

@@ -7,15 +7,19 @@ from typing import Any, Generic, TypeVar
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.lifecycle import LifecycleNode, LifecyclePublisher, TransitionCallbackReturn
 
-from jfto_msgs_py.errors import JftoError, ScenarioError
+from jfto_msgs_py.errors import JftoError, MessageError, ScenarioError
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.diagnostics import Status, encode_diagnostics
 from jfto_msgs_py.ros.intake import Intake
 from jfto_msgs_py.ros.parameters import NodeParameters
+from jfto_msgs_py.ros.vehicle import decode_pose
 from jfto_msgs_py.scenario import Scenario
+from jfto_msgs_py.vehicle import VehiclePose
 
 Options = TypeVar("Options")
 _DIAGNOSTICS_PERIOD_S = 1.0
+# By how much the clocks of two computers may differ, or simulated time lag behind.
+_AHEAD_S = 1.0
 
 
 class GraphNode(LifecycleNode, Generic[Options]):
@@ -60,6 +64,22 @@ class GraphNode(LifecycleNode, Generic[Options]):
     def now_ns(self) -> int:
         """Time on the node's clock, ns since the epoch; 0 until simulated time has come."""
         return int(self.get_clock().now().nanoseconds)
+
+    def take_pose(self, uav: str, message: Any) -> VehiclePose | None:
+        """The pose in a message; None where it is malformed or stamped ahead of the clock.
+
+        One from the future would hide all that come after it.
+        """
+        pose = self.intake.take(topics.pose(uav), decode_pose, message)
+        now_ns = self.now_ns()
+        if pose is None or now_ns == 0:
+            return pose
+        ahead_s = (pose.stamp_ns - now_ns) / 1e9
+        if ahead_s > _AHEAD_S:
+            error = MessageError("header.stamp", f"is {ahead_s:.1f} s ahead of this clock")
+            self.intake.refuse(topics.pose(uav), error)
+            return None
+        return pose
 
     def start(self) -> None:
         """Configure, and activate if the parameter `autostart` says so; raises JftoError."""
