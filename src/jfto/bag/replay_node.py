@@ -15,6 +15,9 @@ from jfto.ros_cli.session import find_ros
 
 # Options of a node that would tie a replay to files of the run.
 _LEFT_OUT = ("state_file",)
+# A domain that no fleet uses: DDS takes discovery settings once per process and domain, so that
+# switching discovery off is not enough beside a node that is on the network.
+_DOMAIN_ID = 231
 
 
 @dataclass(frozen=True)
@@ -141,7 +144,7 @@ def replay_nodes(
         raise BagError(f"{parameters}: no such parameter file. Name one with --params-file.")
     with _isolated():
         context = Context()
-        context.init(args=[])
+        context.init(args=[], domain_id=_DOMAIN_ID)
         nodes: list[Any] = []
         try:
             for name in names:
