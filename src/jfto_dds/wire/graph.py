@@ -62,6 +62,7 @@ class Graph:
         self._version = 0
         self._endpoints: dict[bytes, GraphEndpoint] = {}
         self._nodes: dict[bytes, list[GraphNode]] = {}
+        self._participants: set[bytes] = set()
         self._listeners: list[Callable[[], None]] = []
         listener = {"on_data_available": lambda _reader: self.notify()}
         with QOS_LOCK:
@@ -113,6 +114,8 @@ class Graph:
                     self._changed.wait(left)
 
     def _update(self) -> None:
+        # First of all, so that the participants behind these are surely known below.
+        announcements = self._take_node_info()
         for kind, reader in self._readers.items():
             while True:
                 with QOS_LOCK:
@@ -121,7 +124,7 @@ class Graph:
                     self._apply(kind, sample)
                 if len(samples) < _BATCH:
                     break
-        for info in self._take_node_info():
+        for info in announcements:
             gid = bytes(bytearray(info.gid.data))
             self._nodes[gid] = [
                 GraphNode(
@@ -133,13 +136,15 @@ class Graph:
                 )
                 for node in info.node_entities_info_seq
             ]
+        # The last words of a participant may be read after its end.
+        for gid in self._nodes.keys() - self._participants:
+            del self._nodes[gid]
 
     def _apply(self, kind: str, sample: Any) -> None:
         alive = sample.sample_info.instance_state == InstanceState.Alive
         gid = sample.key.bytes
         if kind == "participant":
-            if not alive:
-                self._nodes.pop(gid, None)
+            (self._participants.add if alive else self._participants.discard)(gid)
             return
         if not alive:
             self._endpoints.pop(gid, None)

@@ -69,6 +69,10 @@ class Participant:
         self._nodes: list[NodeEntry] = []
         self._closed = False
         self._identities = itertools.count(1)
+        self._info_lock = threading.Lock()
+        # The latest announcement of each participant that nobody has looked at yet.
+        self._unread_info: dict[int, bytes] = {}
+        self._discovery: Reader | None = None
         _open_domain(domain_id)
         with QOS_LOCK:
             self._entity = DomainParticipant(domain_id, Qos(Policy.Userdata(user_data.PARTICIPANT)))
@@ -84,15 +88,16 @@ class Participant:
             QosSettings(depth=1, transient_local=True),
             announced,
         )
-        self._discovery = Reader(
+        discovery = Reader(
             self._entity,
             _DISCOVERY_TOPIC,
             kind,
             QosSettings(keep_all=True, transient_local=True),
             announced,
-            lambda: self.graph.notify() if hasattr(self, "graph") else None,
+            self._on_discovery,
         )
         self.graph = Graph(self._entity, self._take_node_info)
+        self._discovery = discovery
         _open.add(self)
 
     @property
@@ -104,14 +109,29 @@ class Participant:
         """Make an id for a service or client that no other has."""
         return user_data.service_identity(self.gid, next(self._identities))
 
+    def _on_discovery(self) -> None:
+        # Called in a DDS thread. Taken at once: the reader keeps all, and a node that never
+        # looks at the graph would collect announcements for ever.
+        if self._discovery is not None:
+            self._collect_info(self._discovery)
+            self.graph.notify()
+
+    def _collect_info(self, discovery: Reader) -> None:
+        with self._info_lock:
+            while taken := discovery.take(100):
+                self._unread_info.update(
+                    (sample.publication_handle, sample.payload) for sample in taken
+                )
+
     def _take_node_info(self) -> list[Any]:
-        samples = []
-        while taken := self._discovery.take(100):
-            samples.extend(taken)
+        if self._discovery is not None:
+            self._collect_info(self._discovery)
+        with self._info_lock:
+            unread, self._unread_info = self._unread_info, {}
         decoded = []
-        for sample in samples:
+        for payload in unread.values():
             try:
-                decoded.append(self._info._TYPE_SUPPORT.deserialize(sample.payload))
+                decoded.append(self._info._TYPE_SUPPORT.deserialize(payload))
             except MalformedPayloadError:
                 # A foreign participant's broken announcement: its nodes stay unknown.
                 continue
@@ -227,8 +247,9 @@ class Participant:
                 return
             self._closed = True
             endpoints, self._endpoints = self._endpoints, []
-        for endpoint in [*endpoints, self._discovery, self._announcer]:
-            endpoint.close()
+        for endpoint in (*endpoints, self._discovery, self._announcer):
+            if endpoint is not None:
+                endpoint.close()
         self.graph.close()
         delete_entity(self._entity)
         _close_domain(self.domain_id)
