@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -10,22 +9,14 @@ import numpy as np
 from geometry_msgs.msg import PoseStamped
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 
+from jfto.pose_player_options import PosePlayerOptions
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.diagnostics import OK, WARN, Status
 from jfto_msgs_py.ros.graph_node import GraphNode
 from jfto_msgs_py.ros.vehicle import decode_trajectory, encode_pose
 from jfto_msgs_py.scenario import Scenario
-from jfto_msgs_py.scenario.key import param
 from jfto_msgs_py.vehicle import VehiclePose
 from jfto_world.motion.progress import sample
-
-
-@dataclass(frozen=True)
-class PosePlayerOptions:
-    """The pose player's own parameters."""
-
-    autostart: bool = param(True, "Configure and activate at start.")
-    rate_hz: float = param(10.0, "Poses per second and UAV.", unit="Hz", low=0.1, high=1000.0)
 
 
 class PosePlayerNode(GraphNode[PosePlayerOptions]):

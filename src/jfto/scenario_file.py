@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +14,10 @@ from jfto_msgs_py.errors import ScenarioError
 from jfto_msgs_py.read_text import read_text
 from jfto_msgs_py.scenario import KEYS, Given, Scenario, make_scenario
 from jfto_msgs_py.scenario.suggest import nearest
+from jfto_msgs_py.scenario.value import check_value
 
 SHARED = "/**"
-NODES = ("planner_node", "topology_node", "power_node", "mavlink_bridge")
+NODES = ("planner_node", "topology_node", "power_node", "pose_player", "mavlink_bridge")
 # Parameters of ROS itself, which a file may set beside ours.
 ROS_KEYS = ("use_sim_time",)
 _SIZE_LIMIT = 1_000_000
@@ -36,10 +37,14 @@ _Loader.add_implicit_resolver(
 
 @dataclass(frozen=True)
 class LoadedScenario:
-    """A scenario and the file that it came from, against which its paths are resolved."""
+    """A scenario and the file that it came from, against which its paths are resolved.
+
+    `node_options` holds what the file's sections for nodes say about those nodes alone.
+    """
 
     scenario: Scenario
     path: Path
+    node_options: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     def resolve(self, name: str) -> Path:
         """Path of a file that the scenario names: beside the scenario, else as it stands."""
@@ -54,7 +59,8 @@ def load_scenario(path: str | Path, overrides: Sequence[str] = ()) -> LoadedScen
     """
     path = Path(path)
     problems: list[str] = []
-    layers = _read_layers(path, problems)
+    node_options: dict[str, dict[str, Any]] = {}
+    layers = _read_layers(path, problems, node_options)
     layers.append(_read_overrides(overrides, problems))
     try:
         scenario = make_scenario(layers)
@@ -62,11 +68,13 @@ def load_scenario(path: str | Path, overrides: Sequence[str] = ()) -> LoadedScen
         raise ScenarioError([*problems, *error.problems]) from None
     if problems:
         raise ScenarioError(problems)
-    return LoadedScenario(scenario, path)
+    return LoadedScenario(scenario, path, node_options)
 
 
-def _read_layers(path: Path, problems: list[str]) -> list[dict[str, Given]]:
-    """Shared values, then each node's, as layers of dotted keys."""
+def _read_layers(
+    path: Path, problems: list[str], node_options: dict[str, dict[str, Any]]
+) -> list[dict[str, Given]]:
+    """Shared values, then each node's, as layers of dotted keys; nodes' own go to the side."""
     root = _compose(path, read_text(path, ScenarioError, "scenario", _SIZE_LIMIT))
     if not isinstance(root, yaml.MappingNode):
         raise ScenarioError(
@@ -86,6 +94,8 @@ def _read_layers(path: Path, problems: list[str]) -> list[dict[str, Given]]:
             continue
         mine: dict[str, Given] = {}
         _flatten(path, parameters, "", mine, problems, 0)
+        own = _take_options(name.lstrip("/"), mine, problems)
+        node_options.setdefault(name.lstrip("/"), {}).update(own)
         _merge_node(per_node, mine, name, problems)
     return [shared, per_node]
 
@@ -174,6 +184,18 @@ def _construct(node: yaml.Node) -> Any:
         return str(node.value)
     finally:
         loader.dispose()
+
+
+def _take_options(node: str, mine: dict[str, Given], problems: list[str]) -> dict[str, Any]:
+    """Take a node's own parameters out of its section, checked."""
+    # Loaded here, since few files have such sections.
+    from jfto.node_options import NODE_OPTIONS
+
+    keys, taken = NODE_OPTIONS[node], {}
+    for name in [name for name in mine if name in keys]:
+        taken[name], found = check_value(keys[name], mine.pop(name))
+        problems += found
+    return taken
 
 
 def _merge_node(

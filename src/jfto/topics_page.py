@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from jfto.node_options import NODE_OPTIONS
 from jfto.nodes import use_stand_in_where_needed
 from jfto_msgs_py.ros.endpoints import SERVICES, TOPICS
 
@@ -45,32 +46,17 @@ def page() -> str:
     lines.append(
         "Every node declares all scenario keys (docs/scenario.md), and these of its own:\n"
     )
-    for name, options in _options().items():
+    for name, options in NODE_OPTIONS.items():
+        if not options:
+            continue
         lines += [f"### {name}", "", "| parameter | type | default | range | meaning |"]
         lines.append("|---|---|---|---|---|")
         lines += [
             f"| `{key.name}` | {key.kind} | {key.default} | {key.range_text} | {key.doc} |"
-            for key in options
+            for key in options.values()
         ]
         lines.append("")
     return "\n".join(lines)
-
-
-def _options() -> dict[str, list[Any]]:
-    """Keys of each node's own parameters."""
-    from jfto.pose_player_node import PosePlayerOptions
-    from jfto_msgs_py.ros.parameters import option_keys
-    from jfto_planner.planner_node import PlannerOptions
-    from jfto_power.power_node import PowerOptions
-    from jfto_topology.topology_node import TopologyOptions
-
-    kinds: dict[str, type] = {
-        "planner_node": PlannerOptions,
-        "topology_node": TopologyOptions,
-        "power_node": PowerOptions,
-        "pose_player": PosePlayerOptions,
-    }
-    return {name: list(option_keys(kind).values()) for name, kind in kinds.items()}
 
 
 def _qos(profile: Any) -> str:

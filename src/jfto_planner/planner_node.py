@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -21,37 +20,13 @@ from jfto_msgs_py.ros.diagnostics import ERROR, OK, WARN, Status
 from jfto_msgs_py.ros.graph_node import GraphNode
 from jfto_msgs_py.ros.vehicle import encode_path, encode_trajectory
 from jfto_msgs_py.scenario import Scenario
-from jfto_msgs_py.scenario.key import param
 from jfto_planner.lift_off_file import read_lift_off, write_lift_off
 from jfto_planner.plan_job import PlanJob, Progress
 from jfto_planner.plan_trajectory import timed_paths, timed_trajectories
+from jfto_planner.planner_options import PlannerOptions
 
 _CLOCK_WAIT_S = 0.1
 PlanFunction = Callable[[Scenario, Progress], Plan]
-
-
-@dataclass(frozen=True)
-class PlannerOptions:
-    """The planner node's own parameters."""
-
-    autostart: bool = param(True, "Configure and activate at start.")
-    plan_file: str = param(
-        "", "Plan to load. If there is no such file, the scenario is planned and kept there."
-    )
-    state_file: str = param(
-        "", "File that keeps the lift-off of a plan over a restart; left out: none."
-    )
-    start_time_s: float = param(
-        0.0,
-        "Lift-off, seconds since the epoch; 0: as state_file says, else start_delay_s after the "
-        "plan is there.",
-        unit="s",
-        low=0.0,
-        high=4e9,
-    )
-    start_delay_s: float = param(
-        5.0, "Time between a plan and its lift-off.", unit="s", low=0.0, high=86_400.0
-    )
 
 
 class PlannerNode(GraphNode[PlannerOptions]):
@@ -69,6 +44,7 @@ class PlannerNode(GraphNode[PlannerOptions]):
         self._start_ns = 0
         self._job: PlanJob | None = None
         self._fresh = False
+        self._planned_for: Scenario | None = None
         self._waiting: list[Future] = []
         self._trouble = ""
         super().__init__("planner_node", PlannerOptions, **arguments)
@@ -105,7 +81,8 @@ class PlannerNode(GraphNode[PlannerOptions]):
         if self._plan is not None:
             self._publish()
         elif self._job is None:
-            self._begin(fresh=False)
+            # A plan file is not for parameters that were set since it was read or written.
+            self._begin(fresh=self._planned_for not in {None, self._scenario})
 
     def released(self) -> None:
         """Call off what is being planned, and forget the plan."""
@@ -173,7 +150,7 @@ class PlannerNode(GraphNode[PlannerOptions]):
             first = plan.certificate.violations[0].message if plan.certificate.violations else ""
             raise InfeasibleError(f"The plan breaks its constraints and is not published. {first}")
         self._start_ns = self._lift_off_ns(plan)
-        self._plan = plan
+        self._plan, self._planned_for = plan, self._scenario
         self.get_logger().info(self._summary())
         self._publish()
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -23,27 +22,16 @@ from jfto_msgs_py.ros.network import (
 )
 from jfto_msgs_py.ros.vehicle import decode_trajectory
 from jfto_msgs_py.scenario import Scenario
-from jfto_msgs_py.scenario.key import param
 from jfto_msgs_py.units import w_to_dbm
 from jfto_power.energy_account import EnergyAccount
 from jfto_power.horizon import HorizonPower, plan_horizon
+from jfto_power.power_options import PowerOptions
 from jfto_world.motion.fleet_plan import FleetPlan
 from jfto_world.motion.fleet_prediction import FleetPrediction
 from jfto_world.radio import make_channel
 
 # Slots without news of the topology before it counts as silent.
 _SILENT_SLOTS = 2.0
-
-
-@dataclass(frozen=True)
-class PowerOptions:
-    """The power node's own parameters."""
-
-    autostart: bool = param(True, "Configure and activate at start.")
-    uav_id: str = param("", "Publish for this UAV only; left out: for the whole fleet.")
-    state_file: str = param(
-        "", "File that keeps the energy account over a restart; left out: none."
-    )
 
 
 class PowerNode(GraphNode[PowerOptions]):

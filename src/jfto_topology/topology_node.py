@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -19,33 +18,16 @@ from jfto_msgs_py.ros.graph_node import GraphNode
 from jfto_msgs_py.ros.network import encode_adjacency, encode_power_intervals
 from jfto_msgs_py.ros.vehicle import decode_trajectory
 from jfto_msgs_py.scenario import Scenario
-from jfto_msgs_py.scenario.key import param
 from jfto_msgs_py.units import dbm_to_w, ratio_to_db
 from jfto_topology.horizon import HorizonSettings, HorizonTopology, Links, TopologyHorizon
 from jfto_topology.markers import Scene, encode_markers
+from jfto_topology.topology_options import TopologyOptions
 from jfto_world.motion.fleet_plan import FleetPlan
 from jfto_world.motion.fleet_prediction import FleetPrediction
 from jfto_world.radio import make_channel, pairwise_distances
 
 # A topology takes two.
 _LEAST_UAVS = 2
-
-
-@dataclass(frozen=True)
-class TopologyOptions:
-    """The topology node's own parameters."""
-
-    autostart: bool = param(True, "Configure and activate at start.")
-    horizon_slots: int = param(
-        0, "Slots solved ahead, the current one included; 0: all that are left.", low=0, high=10_000
-    )
-    stale_after_s: float = param(
-        3.0, "Age of a pose that takes its UAV out.", unit="s", low=0.01, high=3600.0
-    )
-    pose_wait_s: float = param(
-        0.2, "How long after a slot's beginning poses are waited for.", unit="s", low=0.0, high=60.0
-    )
-    markers: bool = param(True, "Publish markers for RViz and Foxglove.")
 
 
 class TopologyNode(GraphNode[TopologyOptions]):

@@ -180,6 +180,19 @@ def test_parameters_are_described_and_checked_when_set(graph) -> None:
     assert node._plan.d_min_m == 20.0
 
 
+def test_a_plan_file_is_not_for_parameters_set_since(graph, tmp_path) -> None:
+    """Other parameters make another plan, which replaces the one in the file."""
+    file = tmp_path / "plan.json"
+    node = graph.add(PlannerNode, _plan, plan_file=str(file))
+    graph.until(lambda: node._plan is not None)
+    node.trigger_deactivate()
+    assert node.set_parameters([Parameter("mission.d_min_m", value=20.0)])[0].successful
+    node.trigger_activate()
+    graph.until(lambda: node._plan is not None)
+    assert node._plan.d_min_m == 20.0
+    assert read_plan(file).d_min_m == 20.0
+
+
 def test_fleet_can_be_changed_atomically(graph) -> None:
     """Count and names together; publishers follow when the node is active again."""
     node = graph.add(PlannerNode, _plan)

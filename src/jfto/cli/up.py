@@ -38,7 +38,7 @@ _PATH = click.Path(path_type=Path)
 )
 @click.option(
     "--horizon", type=click.IntRange(0), default=10, show_default=True, metavar="SLOTS",
-    help="Slots solved ahead; 0: all that are left.",
+    help="Slots solved ahead; 0: all that are left. The scenario's horizon_slots wins.",
 )  # fmt: skip
 @click.option("--for", "duration", type=click.FloatRange(0.0), metavar="S", help="End after S.")
 @click.option("--use-sim-time", is_flag=True, help="Take the time from /clock.")
@@ -62,6 +62,8 @@ def command(
     that dies is started again, waiting longer each time; Ctrl-C stops all in reverse order. Each
     node's output is in DIR/logs, the state of all in DIR/status.json.
 
+    A DIR that is there already is gone on with: its plan, its lift-off, its energy account.
+
     Exit status: 0 stopped and all ended cleanly, 1 one did not, 10 the planner was given up,
     11 topology, 12 power, 13 the pose player.
 
@@ -73,26 +75,29 @@ def command(
     from jfto.run_directory import PLAN_NAME, SCENARIO_NAME, write_scenario
     from jfto.supervision.graph import GraphOptions, graph_commands
     from jfto.supervision.supervisor import LOGS, Supervisor
-    from jfto_msgs_py.plan_file import read_plan
+    from jfto_msgs_py.plan_file import read_plan, write_plan
 
-    if plan_file is not None:
-        read_plan(plan_file)
     if out is None:
         out = Path(datetime.now(timezone.utc).strftime("up-%Y%m%dT%H%M%SZ"))
     directory = out.resolve()
     write_scenario(loaded, directory / SCENARIO_NAME)
-    plan = (plan_file or directory / PLAN_NAME).resolve()
+    if plan_file is not None:
+        # A copy: replanning writes to it.
+        write_plan(read_plan(plan_file), directory / PLAN_NAME)
+    parameters: dict[str, dict[str, object]] = {
+        "planner_node": {"start_delay_s": float(start_delay)},
+        "topology_node": {"horizon_slots": horizon},
+    }
+    for name, values in loaded.node_options.items():
+        parameters.setdefault(name, {}).update(values)
     nodes = graph_commands(
         GraphOptions(
             directory / SCENARIO_NAME,
             directory,
-            plan,
+            directory / PLAN_NAME,
             play_poses=poses == "plan",
             use_sim_time=use_sim_time,
-            parameters={
-                "planner_node": {"start_delay_s": float(start_delay)},
-                "topology_node": {"horizon_slots": horizon},
-            },
+            parameters=parameters,
         )
     )
     click.echo(f"Logs          {directory / LOGS}   (Ctrl-C stops all)")

@@ -44,7 +44,9 @@ def graph_commands(options: GraphOptions) -> list[NodeCommand]:
     if options.play_poses:
         own["pose_player"] = {}
     for name, values in (options.parameters or {}).items():
-        own.setdefault(name, {}).update(values)
+        # A section for a node that is not run is for other backends.
+        if name in own:
+            own[name].update(values)
     return [NodeCommand(name, _command(name, options, own[name]), _environment()) for name in own]
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Generic, TypeVar
 
@@ -16,7 +15,7 @@ from rclpy.parameter import Parameter
 
 from jfto_msgs_py.errors import JftoError, ScenarioError
 from jfto_msgs_py.scenario import KEYS, Given, Key, Scenario, make_scenario
-from jfto_msgs_py.scenario.key import keys_of
+from jfto_msgs_py.scenario.options import option_keys
 from jfto_msgs_py.scenario.radio import RADIO_SHORTHANDS
 from jfto_msgs_py.scenario.value import check_value
 
@@ -35,13 +34,6 @@ _TYPES = {
     ("text", False): Parameter.Type.STRING,
     ("text", True): Parameter.Type.STRING_ARRAY,
 }
-
-
-def option_keys(options_type: type) -> dict[str, Key]:
-    """Keys of a node's own options, by name; `options_type` is a dataclass of `param` fields."""
-    named = (key.name.partition(".")[2] for key in keys_of(options_type, "own"))
-    keys = zip(named, keys_of(options_type, "own"), strict=True)
-    return {name: dataclasses.replace(key, name=name) for name, key in keys}
 
 
 class NodeParameters(Generic[Options]):

@@ -1,0 +1,24 @@
+"""The parameters of topology_node besides the scenario's."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from jfto_msgs_py.scenario.key import param
+
+
+@dataclass(frozen=True)
+class TopologyOptions:
+    """The topology node's own parameters."""
+
+    autostart: bool = param(True, "Configure and activate at start.")
+    horizon_slots: int = param(
+        0, "Slots solved ahead, the current one included; 0: all that are left.", low=0, high=10_000
+    )
+    stale_after_s: float = param(
+        3.0, "Age of a pose that takes its UAV out.", unit="s", low=0.01, high=3600.0
+    )
+    pose_wait_s: float = param(
+        0.2, "How long after a slot's beginning poses are waited for.", unit="s", low=0.0, high=60.0
+    )
+    markers: bool = param(True, "Publish markers for RViz and Foxglove.")

@@ -1,0 +1,44 @@
+"""Sections of a scenario file that are for one node."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from jfto.scenario_file import load_scenario
+from jfto.supervision.graph import GraphOptions, graph_commands
+from jfto_msgs_py.errors import ScenarioError
+
+SHARED = "/**: {ros__parameters: {fleet: {count: 3}}}\n"
+
+
+def _file(directory: Path, section: str) -> Path:
+    path = directory / "scene.yaml"
+    path.write_text(SHARED + section)
+    return path
+
+
+def test_a_nodes_own_parameters_are_kept_apart(tmp_path) -> None:
+    """They are no scenario keys, but the graph's processes are given them."""
+    section = "topology_node: {ros__parameters: {stale_after_s: 5, network: {k_min: 1}}}\n"
+    loaded = load_scenario(_file(tmp_path, section))
+    assert loaded.scenario.network.k_min == 1
+    assert loaded.node_options == {"topology_node": {"stale_after_s": 5.0}}
+    options = GraphOptions(
+        loaded.path, tmp_path, tmp_path / "plan.json", parameters=loaded.node_options
+    )
+    commands = {node.name: node.command for node in graph_commands(options)}
+    assert "stale_after_s:=5.000000000" in commands["topology_node"]
+    assert list(commands) == ["planner_node", "topology_node", "power_node"]
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [("stale_after_s: -5.0", "stale_after_s is -5"), ("stale_after: 5.0", "unknown key")],
+)
+def test_wrong_ones_are_problems_of_the_file(tmp_path, line, words) -> None:
+    """With file and line, as all other problems."""
+    section = f"topology_node:\n  ros__parameters:\n    {line}\n"
+    with pytest.raises(ScenarioError, match=f"scene.yaml:4: .*{words}"):
+        load_scenario(_file(tmp_path, section))
