@@ -118,6 +118,7 @@ def echo_topic(
     from rclpy.event_handler import SubscriptionEventCallbacks
 
     node = session.node
+    topic = graph_names.resolved(node, topic) if type_name else topic
     if type_name is None:
         kind = graph_names.type_of_topic(node, topic)
         if kind is None:

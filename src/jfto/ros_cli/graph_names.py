@@ -7,6 +7,9 @@ from typing import Any
 
 import click
 
+from jfto.ros_cli.errors import RosCommandError
+from jfto.ros_cli.interfaces import message_class
+
 NamesAndTypes = list[tuple[str, list[str]]]
 
 
@@ -58,11 +61,7 @@ def warn_of_twins(names: list[str]) -> None:
 
 def type_of_topic(node: Any, topic: str) -> Any | None:
     """Class of the messages of a topic; None, said on stdout, where nothing is known of it."""
-    from jfto.ros_cli.errors import RosCommandError
-    from jfto.ros_cli.interfaces import message_class
-
-    expanded = _resolve(node, topic)
-    types = dict(node.get_topic_names_and_types()).get(expanded)
+    types = dict(node.get_topic_names_and_types()).get(resolved(node, topic))
     if types is None:
         click.echo(f"WARNING: topic [{topic}] does not appear to be published yet")
         return None
@@ -73,10 +72,15 @@ def type_of_topic(node: Any, topic: str) -> Any | None:
     return message_class(types[0])
 
 
-def _resolve(node: Any, topic: str) -> str:
+def resolved(node: Any, name: str, *, is_service: bool = False) -> str:
+    """Full name of a topic or service; raises RosCommandError for one that cannot be."""
+    from rclpy.exceptions import NameValidationException
     from rclpy.expand_topic_name import expand_topic_name
     from rclpy.validate_full_topic_name import validate_full_topic_name
 
-    expanded = expand_topic_name(topic, node.get_name(), node.get_namespace())
-    validate_full_topic_name(expanded)
-    return expanded
+    try:
+        expanded = expand_topic_name(name, node.get_name(), node.get_namespace())
+        validate_full_topic_name(expanded, is_service=is_service)
+    except (NameValidationException, ValueError) as error:
+        raise RosCommandError(str(error)) from None
+    return str(expanded)

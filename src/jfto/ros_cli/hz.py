@@ -76,5 +76,5 @@ def print_rate(session: Session, topic: str, meter: RateMeter, expression: str |
 
 
 def _is_known(node: Any, topic: str) -> Callable[[], bool]:
-    name = node.resolve_topic_name(topic)
+    name = graph_names.resolved(node, topic)
     return lambda: name in dict(node.get_topic_names_and_types())

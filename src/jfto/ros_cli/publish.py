@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from jfto.ros_cli import graph_names
 from jfto.ros_cli.errors import RosCommandError
 from jfto.ros_cli.interfaces import fill, message_class, read_yaml
 from jfto.ros_cli.qos_choice import QosWish, wished_profile
@@ -40,6 +41,7 @@ def publish(
     message = kind()
     stamps = fill(message, plain)
     node = session.node
+    topic = graph_names.resolved(node, topic)
     publisher = node.create_publisher(kind, topic, wished_profile(wish))
     _wait_for_subscriptions(session, publisher, wait_for)
     click.echo("publisher: beginning loop")

@@ -35,6 +35,7 @@ def call_service(
     kind = service_class(type_name)
     request = kind.Request()
     fill(request, read_yaml(values))
+    name = graph_names.resolved(session.node, name, is_service=True)
     client = session.node.create_client(kind, name)
     if not session.spin_until(client.service_is_ready, _SILENT_WAIT_S):
         click.echo("waiting for service to become available...")
