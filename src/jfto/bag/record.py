@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+from jfto.bag.parameter_keeper import ParameterKeeper
 from jfto.bag.qos import offered_by, recording_profile
 from jfto.bag.recorder import BagRecorder
 from jfto.ros_cli import graph_names
@@ -43,8 +44,15 @@ class Choice:
 class Recording:
     """Subscriptions that write to a bag."""
 
-    def __init__(self, session: Session, recorder: BagRecorder, choice: Choice) -> None:
+    def __init__(
+        self,
+        session: Session,
+        recorder: BagRecorder,
+        choice: Choice,
+        keeper: ParameterKeeper | None = None,
+    ) -> None:
         self._session = session
+        self._keeper = keeper
         self._recorder = recorder
         self._choice = choice
         self._seen: set[str] = set()
@@ -98,8 +106,11 @@ class Recording:
         try:
             while True:
                 now = time.monotonic()
-                if now >= look and not self.complete:
-                    self.look()
+                if now >= look:
+                    if not self.complete:
+                        self.look()
+                    if self._keeper is not None:
+                        self._keeper.look()
                     look = now + _LOOK_EVERY_S
                 if self.complete and not told:
                     self._session.node.get_logger().info("All requested topics are subscribed.")

@@ -157,9 +157,14 @@ def replay_nodes(
                     start_parameter_services=False,
                 )
                 nodes.append(node)
-                own = [each for each in _LEFT_OUT if node.has_parameter(each)]
-                node.set_parameters([Parameter(each, value="") for each in own])
+                for each in _LEFT_OUT:
+                    if node.has_parameter(each):
+                        (result,) = node.set_parameters([Parameter(each, value="")])
+                        if not result.successful:
+                            raise BagError(f"{parameters}: {each}: {result.reason}")
                 node.take_edges(clock, outputs)
+                # Recorded outputs are those of an active node, whoever had activated it.
+                node.autostart = True
                 node.start()
             yield nodes
         finally:

@@ -57,6 +57,12 @@ def info(bag: Path, names_only: bool, verbose: bool, debug: bool) -> int:  # noq
     metavar="FILE",
     help="Keep this parameter file in the bag, for `jfto bag replay`.",
 )
+@click.option(
+    "--parameters",
+    "ask_nodes",
+    is_flag=True,
+    help="Ask all nodes for their parameters and keep those in the bag.",
+)
 @graph_options
 @debug_option
 def record(
@@ -71,6 +77,7 @@ def record(
 
     An mcap bag of version 9 that `ros2 bag` plays. A kill costs no more than the last second.
     """
+    from jfto.bag.parameter_keeper import ParameterKeeper
     from jfto.bag.record import NODE_NAME, Choice, Recording
     from jfto.bag.recorder import PARAMETERS_NAME, BagRecorder
     from jfto_msgs_py.write_file import write_file
@@ -89,6 +96,8 @@ def record(
             err=True,
         )
         return 1
+    if parameters is not None and choices["ask_nodes"]:
+        raise click.UsageError("--params-file and --parameters exclude each other.")
     kept = None if parameters is None else _read_parameters(parameters)
     path = output or Path(time.strftime("rosbag2_%Y_%m_%d-%H_%M_%S"))
     if path.exists():
@@ -98,8 +107,9 @@ def record(
         recorder = BagRecorder(path, compress=choices["compress"])
         if kept is not None:
             write_file(path / PARAMETERS_NAME, kept)
+        keeper = ParameterKeeper(session, path) if choices["ask_nodes"] else None
         try:
-            Recording(session, recorder, chosen).run()
+            Recording(session, recorder, chosen, keeper).run()
         finally:
             recorder.close()
     click.echo(f"{path}: {recorder.message_count} messages", err=True)

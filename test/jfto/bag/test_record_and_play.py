@@ -125,6 +125,25 @@ def test_interrupted_recording_is_a_complete_bag(talker, tmp_path):
     assert (profile.reliability.name, profile.depth) == ("BEST_EFFORT", 5)
 
 
+def test_parameters_of_nodes_are_kept_on_request(talker, tmp_path):
+    """--parameters asks each node once; parameters without a value or empty are left out."""
+    import yaml
+    from rclpy.parameter import Parameter
+
+    talker.declare_parameter("speed.cruise", 4.5)
+    talker.declare_parameter("names", ["a", "b"])
+    talker.declare_parameter("unset", Parameter.Type.STRING)
+    process = _start("record", "-o", tmp_path / "bag", "/uav1/pose", "--parameters")
+    _wait((tmp_path / "bag" / "parameters.yaml").exists)
+    process.send_signal(signal.SIGTERM)
+    _, err = process.communicate(timeout=LIMIT_S)
+    assert process.returncode == 0, err
+    kept = yaml.safe_load((tmp_path / "bag" / "parameters.yaml").read_text())
+    found = kept["/tester"]["ros__parameters"]
+    assert (found["speed.cruise"], found["names"]) == (4.5, ["a", "b"])
+    assert "unset" not in found
+
+
 def test_playing_gives_every_message_with_its_qos(graph, bags):
     """Who listens before gets all reliable messages in order; who comes late the latched ones."""
     from geometry_msgs.msg import PoseStamped

@@ -95,6 +95,17 @@ def test_parameters_must_be_named(flight, tmp_path, capsys):
     assert "choose from topology, power" in capsys.readouterr().err
 
 
+def test_energy_file_of_the_run_is_left_alone(flight, tmp_path):
+    """A state_file among the parameters is neither written nor taken for the account."""
+    energy = tmp_path / "energy.json"
+    text = (flight / "parameters.yaml").read_text()
+    text += f"\npower_node:\n  ros__parameters:\n    state_file: {energy}\n"
+    (tmp_path / "parameters.yaml").write_text(text)
+    replay = replay_bag(Bag(flight), ["power"], tmp_path / "parameters.yaml", 0.001)
+    assert [problem for each in replay.comparisons for problem in each.problems] == []
+    assert not energy.exists()
+
+
 def test_timers_run_in_the_order_of_their_times():
     """Periods, re-arming from inside, and cancelling follow the clock that is moved by hand."""
     clock, log = ReplayClock(0), []
