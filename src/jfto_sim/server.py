@@ -17,6 +17,7 @@ from jfto_sim import control
 from jfto_sim.config import VehicleConfig
 from jfto_sim.endpoint import Endpoint, EndpointSpec
 from jfto_sim.faults import LinkFaults, LossyPipe
+from jfto_sim.motion.warm_up import warm_up
 from jfto_sim.vehicle import Vehicle
 
 _TICK_S, _STEP_MAX_S = 0.005, 0.5
@@ -121,6 +122,7 @@ class SimServer:
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
         self._control: socket.socket | None = None
+        warm_up()
         try:
             for config, texts in zip(configs, settings.endpoints, strict=True):
                 if config.sysid in self.stations:
