@@ -12,8 +12,8 @@ NS = 1_000_000_000
 WINDOW = 16
 # A vehicle's clock that is this much behind, beyond any delay, has started again.
 BACK_S = 1.0
-# Time over which the pace of a vehicle's clock is worth measuring.
-MEASURED_S = 3.0
+# Up to this age of its clock a vehicle can have booted again without the clock reading less.
+YOUNG_S = 20.0
 
 
 @dataclass
@@ -28,7 +28,6 @@ class TimeSync:
     round_trip: RoundTrip = field(default_factory=RoundTrip)
     utc_error_s: float | None = None
     samples: int = 0
-    _first: tuple[float, float] | None = None
     _last: tuple[float, float] | None = None
     _window: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=WINDOW))
 
@@ -41,10 +40,9 @@ class TimeSync:
         if not 0 <= rtt_s < 10:
             return False
         our_s, vehicle_s = (sent_ns + now_ns) / 2 / NS, vehicle_ns / NS
-        back = self._behind_s(our_s, vehicle_s) > rtt_s + BACK_S
+        back = self._back(our_s, vehicle_s, rtt_s + BACK_S)
         if back:
             self.restart()
-        self._first = self._first or (our_s, vehicle_s)
         self._last = (our_s, vehicle_s)
         self.round_trip.measure(rtt_s)
         self._window.append((rtt_s, vehicle_s - our_s))
@@ -60,21 +58,21 @@ class TimeSync:
     def restart(self) -> None:
         """Forget the offset: the vehicle has booted again."""
         self._window.clear()
-        self._first = self._last = None
+        self._last = None
         self.utc_error_s = None
 
-    def _behind_s(self, our_s: float, vehicle_s: float) -> float:
-        """How far the vehicle's clock is behind where its last answer and its pace put it.
+    def _back(self, our_s: float, vehicle_s: float, tolerance_s: float) -> bool:
+        """Whether the vehicle's clock went back since its last answer.
 
-        A simulation may run slower than it should, so the pace is measured, and doubted: a third
-        of the time since the last answer is allowed for.
+        Soon after a boot the new clock may already have passed the old one; then falling behind
+        ours tells. Later it does not: a simulation may stall, in the air as well.
         """
-        if self._first is None or self._last is None:
-            return 0.0
-        passed_s = our_s - self._last[0]
-        span_s = self._last[0] - self._first[0]
-        pace = (self._last[1] - self._first[1]) / span_s if span_s > MEASURED_S else 1.0
-        return self._last[1] + pace * passed_s - vehicle_s - max(passed_s, 0.0) / 3
+        if self._last is None:
+            return False
+        expected_s = self._last[1]
+        if expected_s < YOUNG_S:
+            expected_s += max(our_s - self._last[0], 0.0) * 2 / 3
+        return vehicle_s + tolerance_s < expected_s
 
     @property
     def offset_s(self) -> float | None:

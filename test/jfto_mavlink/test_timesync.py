@@ -49,8 +49,11 @@ def test_an_answer_from_the_future_is_ignored():
 
 
 def test_a_vehicle_clock_that_goes_back_is_a_reboot():
-    """Late answers are not; neither is a simulation that runs slower than it should."""
+    """Late answers are not; neither is a simulation that stalls, however fast it ran before."""
     sync = TimeSync()
+    assert not sync.answer(-9 * NS, 10 * NS, -9 * NS)
+    assert not sync.answer(-4 * NS, 85 * NS, -4 * NS)
+    assert not sync.answer(-NS, 85 * NS, -NS)
     assert not sync.answer(0, 100 * NS, NS // 100)
     assert not sync.answer(NS, int(100.2 * NS), NS + NS // 100)
     assert not sync.answer(2 * NS, int(99.0 * NS), 4 * NS)
