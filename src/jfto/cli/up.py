@@ -56,7 +56,7 @@ def command(
     overrides: tuple[str, ...],
     debug: bool,  # noqa: ARG001  main() reads it
 ) -> int:
-    r"""Run the node graph of SCENARIO without ROS 2, one supervised process per node.
+    """Run the node graph of SCENARIO without ROS 2, one supervised process per node.
 
     Planner, topology and power (and a pose player with --poses plan) are started in that order; one
     that dies is started again, waiting longer each time; Ctrl-C stops all in reverse order. Each
