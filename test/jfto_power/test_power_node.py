@@ -173,6 +173,32 @@ def test_one_uav_of_its_own(graph) -> None:
     assert graph.observer.count_publishers(topics.tx_power("uav1")) == 0
 
 
+def test_nodes_of_single_uavs_agree_with_one_for_all(graph) -> None:
+    """Each solves the whole problem, so that its row is the fleet's; all use the same energy."""
+    topology = _start(graph)
+    graph.at(0.1)
+    topology.publish(0)
+    graph.until(lambda: topology.schedules)
+    whole = topology.schedule().power_w
+    graph.remove(graph.executor.get_nodes()[-1])
+    for uav in IDS:
+        graph.add(PowerNode, use_sim_time=True, fleet__energy_j=[8.0], uav_id=uav)
+    # Three publishers of one topic: a reader that keeps one message would see the last only.
+    deep = qos.latched()
+    deep.depth = len(IDS)
+    got = graph.collect(Float64MultiArray, topics.POWER_SCHEDULE, deep)
+    graph.at(0.2)
+    topology.publish(0)
+
+    def rows() -> dict:
+        schedules = [decode_power_schedule(message) for message in got]
+        return {ids[0]: each for each in schedules if len(ids := each.uav_ids) == 1}
+
+    graph.until(lambda: len(rows()) == 3)
+    found = np.stack([rows()[uav].power_w[:, 0] for uav in IDS], axis=1)
+    assert np.allclose(found, whole, rtol=1e-3)
+
+
 def test_malformed_messages_are_counted(graph) -> None:
     """Wrong sizes, strange UAVs: counted by field, and the next good pair is solved."""
     topology = _start(graph)
