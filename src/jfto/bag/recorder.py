@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Literal, cast
 
@@ -57,8 +59,9 @@ class BagRecorder:
         self._written = True
 
     def write(self, topic: str, stamp_ns: int, data: bytes) -> None:
-        """Add a message of a topic that was announced."""
-        self._writer.write(self._connections[topic], stamp_ns, data)
+        """Add a message of a topic that was announced. Raises BagError, as on a full disk."""
+        with self._told():
+            self._writer.write(self._connections[topic], stamp_ns, data)
         self.message_count += 1
         self._written = True
 
@@ -67,15 +70,27 @@ class BagRecorder:
         if not self._written:
             return
         storage = cast("McapWriter", self._writer.storage)
-        if storage.chunk.bio.tell():
-            storage.close_chunk()
-        storage.bio.flush()
+        with self._told():
+            if storage.chunk.bio.tell():
+                storage.close_chunk()
+            storage.bio.flush()
         write_file(self.path / "metadata.yaml", self._metadata(storage.path.name))
         self._written = False
 
     def close(self) -> None:
         """Finish the file with its index, and metadata.yaml."""
-        self._writer.close()
+        with self._told():
+            self._writer.close()
+
+    @contextlib.contextmanager
+    def _told(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            raise BagError(
+                f"{self.path}: cannot be written any more: {error.strerror}. What was written "
+                "before can be read."
+            ) from None
 
     def _metadata(self, file_name: str) -> str:
         """metadata.yaml of what is in the file so far, every key that version 9 requires."""

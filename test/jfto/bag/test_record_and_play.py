@@ -155,7 +155,7 @@ def test_playing_gives_every_message_with_its_qos(graph, bags):
     graph.create_subscription(PoseStamped, "/uav1/pose", poses.append, 100)
     graph.create_subscription(PoseStamped, "/uav9/pose", others.append, 100)
     graph.create_subscription(Float64MultiArray, "/topology", matrices.append, latched)
-    process = _start("play", bags / "jazzy_mcap_zstd", "--rate", "4", "/uav2/pose:=/uav9/pose")
+    process = _start("play", bags / "jazzy_mcap_zstd", "--rate", "15", "/uav2/pose:=/uav9/pose")
     _, err = process.communicate(timeout=LIMIT_S)
     assert process.returncode == 0, err
     _wait(lambda: len(poses) == 45)

@@ -96,3 +96,26 @@ def test_folder_that_exists_is_refused(tmp_path):
     """Nothing is ever overwritten."""
     with pytest.raises(BagError, match="exists"):
         BagRecorder(tmp_path)
+
+
+def test_full_disk_is_told_and_costs_nothing_before(tmp_path):
+    """Where the file cannot grow, the error says so; what was flushed is still a bag."""
+    import resource
+
+    recorder = BagRecorder(tmp_path / "bag")
+    recorder.add_topic("/a", "std_msgs/msg/String", [LATCHED])
+    recorder.write("/a", 1, _payload("kept"))
+    recorder.flush()
+    size = (tmp_path / "bag" / "bag.mcap").stat().st_size
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size + 1000, before[1]))
+    try:
+        recorder.write("/a", 2, _payload("x" * 5000))
+        with pytest.raises(BagError, match="cannot be written any more: File too large"):
+            recorder.flush()
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert [message.data for message in Bag(tmp_path / "bag").messages()] == [_payload("kept")]
+    # With room again the recording can go on to its end.
+    recorder.close()
+    assert Bag(tmp_path / "bag").facts.message_count == 2

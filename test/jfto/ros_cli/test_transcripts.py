@@ -73,6 +73,13 @@ def _skip_reason(entry):
 ALL = list(_entries())
 RECORDED = [entry for entry in ALL if _is_ours(entry)]
 COMPARED = [entry for entry in RECORDED if _skip_reason(entry) is None]
+# They wait for ever, so that a signal ended the recording; here a time limit ends them.
+ENDLESS_ECHOES = [
+    entry
+    for entry in RECORDED
+    if entry.command.startswith("topic echo") and "SIG" in entry.signal
+    and "--timeout" not in entry.command
+]  # fmt: skip
 
 
 def run(arguments, session):
@@ -155,11 +162,33 @@ def test_parameters_in_the_recorded_order(session, demo, capsys):
     assert not failures, "\n\n".join(failures)
 
 
+def _messages(text, by_line):
+    """The different messages in an output."""
+    parts = text.splitlines() if by_line else re.split(r"\n?---(?:\n|$)", text)
+    return {part for part in parts if part}
+
+
+def _warnings(text):
+    """What the command's own node logged; the demo node lives in this process too."""
+    return set(re.findall(r"^\[WARN\] \[\S+\] \[_ros2cli_\d+\]: (.*)$", text, re.M))
+
+
+@pytest.mark.parametrize("entry", ENDLESS_ECHOES, ids=lambda entry: f"line {entry.line}")
+def test_echo_that_was_interrupted_prints_the_same(entry, session, capfd):
+    """Until it is ended, echo prints the messages, warnings or nothing that the real tool did."""
+    assert run([*shlex.split(entry.command), "--timeout", "0.3"], session) == 0
+    out, err = capfd.readouterr()
+    by_line = "--csv" in entry.command
+    assert _messages(out, by_line) == _messages(entry.out, by_line)
+    assert _warnings(err) == _warnings(entry.err)
+
+
 def test_how_much_is_compared():
     """As many recorded commands are compared as the documentation says."""
     assert len(ALL) == 328
     assert len(RECORDED) == 281
     assert len(COMPARED) == 248
+    assert len(ENDLESS_ECHOES) == 10
 
 
 def _set(node, name, value):
