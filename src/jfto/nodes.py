@@ -11,6 +11,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from jfto.supervision.die_with_parent import die_with_parent
+
 if TYPE_CHECKING:
     from jfto_msgs_py.plan import Plan
     from jfto_msgs_py.scenario import Scenario
@@ -100,6 +102,7 @@ def main(arguments: Sequence[str]) -> int:
     if not arguments or arguments[0] not in NODES:
         print(f"Name a node: {', '.join(NODES)}.", file=sys.stderr)
         return 2
+    die_with_parent()
     return NODES[arguments[0]](arguments)
 
 

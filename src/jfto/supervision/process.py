@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import ctypes
+import os
 import signal
 import subprocess
 import threading
@@ -11,8 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-_PR_SET_PDEATHSIG = 1
-_libc = ctypes.CDLL(None, use_errno=True)
+from jfto.supervision.die_with_parent import SUPERVISOR
 
 
 @dataclass(frozen=True)
@@ -28,7 +27,8 @@ class Process:
     """A running command; `ended` is called from a thread of its own with the exit status.
 
     Its output is added to `log`. It has a session of its own, so that Ctrl-C in the terminal
-    reaches it in the supervisor's order only, and it ends when the supervisor is killed.
+    reaches it in the supervisor's order only; it is told who the supervisor is, so that it can end
+    with it.
     """
 
     def __init__(self, node: NodeCommand, log: Path, ended: Callable[[int], None]) -> None:
@@ -36,12 +36,11 @@ class Process:
         with log.open("ab") as output:
             self._process = subprocess.Popen(
                 node.command,
-                env=dict(node.environment),
+                env={**node.environment, SUPERVISOR: str(os.getpid())},
                 stdin=subprocess.DEVNULL,
                 stdout=output,
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
-                preexec_fn=_die_with_parent,  # noqa: PLW1509 - calls libc only
             )
         self._ended = ended
         self._watcher = threading.Thread(target=self._watch, name=f"watch {node.name}", daemon=True)
@@ -75,7 +74,3 @@ def ending(status: int) -> str:
     if status < 0:
         return f"killed by {signal.Signals(-status).name}"
     return f"ended with status {status}"
-
-
-def _die_with_parent() -> None:
-    _libc.prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)

@@ -71,6 +71,30 @@ def test_the_graph_heals_after_kill_and_ends_with_ctrl_c(tiny, tmp_path) -> None
     ]  # fmt: skip
 
 
+def test_nodes_end_with_a_killed_supervisor(tiny, tmp_path) -> None:
+    """Killed with -9 it leaves no node behind."""
+    process = _up(5, tiny, tmp_path)
+    end = time.monotonic() + LIMIT_S
+    status = tmp_path / "status.json"
+    while not status.exists():
+        assert time.monotonic() < end
+    pids = [node["pid"] for node in json.loads(status.read_text()).values()]
+    for pid in pids:
+        _await_handlers(pid)
+    process.kill()
+    process.communicate()
+    while any(_is_running(pid) for pid in pids):
+        assert time.monotonic() < end
+
+
+def _is_running(pid: int) -> bool:
+    try:
+        stat = Path(f"/proc/{pid}/stat").read_text()
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+    return stat.rpartition(")")[2].split()[0] != "Z"
+
+
 def test_a_node_with_bad_parameters_ends_the_graph(tiny, tmp_path) -> None:
     """The status tells which node was given up, and its last words are shown."""
     (tmp_path / "energy.json").write_text("{}")
@@ -91,16 +115,16 @@ def test_a_node_ends_cleanly_on_a_signal(tmp_path, number) -> None:
         stderr=subprocess.STDOUT,
         text=True,
     )
-    _await_exit_handlers(process)
+    _await_handlers(process.pid)
     status, output = _end(process, number)
     assert (status, output) == (0, "")
 
 
-def _await_exit_handlers(process: subprocess.Popen) -> None:
+def _await_handlers(pid: int) -> None:
     """Wait until the node handles signals: its status file lists them as caught."""
     end = time.monotonic() + LIMIT_S
     while time.monotonic() < end:
-        lines = Path(f"/proc/{process.pid}/status").read_text().splitlines()
+        lines = Path(f"/proc/{pid}/status").read_text().splitlines()
         caught = next(int(line.split()[1], 16) for line in lines if line.startswith("SigCgt"))
         if caught >> (signal.SIGTERM - 1) & 1:
             return
