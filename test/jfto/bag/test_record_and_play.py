@@ -145,15 +145,16 @@ def test_parameters_of_nodes_are_kept_on_request(talker, tmp_path):
 
 
 def test_playing_gives_every_message_with_its_qos(graph, bags):
-    """Who listens before gets all reliable messages in order; who comes late the latched ones."""
+    """Who listens before gets all reliable messages in order; --remap is obeyed."""
     from geometry_msgs.msg import PoseStamped
-    from rclpy.qos import DurabilityPolicy, QoSProfile
+    from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
     from std_msgs.msg import Float64MultiArray
 
     latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     poses, matrices, others = [], [], []
     graph.create_subscription(PoseStamped, "/uav1/pose", poses.append, 100)
-    graph.create_subscription(PoseStamped, "/uav9/pose", others.append, 100)
+    best_effort = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
+    graph.create_subscription(PoseStamped, "/uav9/pose", others.append, best_effort)
     graph.create_subscription(Float64MultiArray, "/topology", matrices.append, latched)
     process = _start("play", bags / "jazzy_mcap_zstd", "--rate", "15", "/uav2/pose:=/uav9/pose")
     _, err = process.communicate(timeout=LIMIT_S)
@@ -162,7 +163,28 @@ def test_playing_gives_every_message_with_its_qos(graph, bags):
     # The bag begins while the fleet is in the air; from there on each step is one.
     xs = [pose.pose.position.x for pose in poses]
     assert xs == [xs[0] + index for index in range(45)]
+    # Best effort and under another name; the fleet's second UAV flies 20 m north.
+    assert {pose.pose.position.y for pose in others} == {20.0}
     assert [list(matrix.data) for matrix in matrices] == [[0.0, 1.0, 1.0, 0.0]]
+
+
+def test_late_joiner_gets_latched_topics_and_interrupt_is_no_failure(graph, bags):
+    """A subscription made while the bag plays gets the topology; Ctrl-C ends with 0."""
+    from geometry_msgs.msg import PoseStamped
+    from rclpy.qos import DurabilityPolicy, QoSProfile
+    from std_msgs.msg import Float64MultiArray
+
+    poses, matrices = [], []
+    graph.create_subscription(PoseStamped, "/uav1/pose", poses.append, 100)
+    process = _start("play", bags / "jazzy_mcap_zstd", "--loop")
+    _wait(lambda: len(poses) > 5)
+    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    graph.create_subscription(Float64MultiArray, "/topology", matrices.append, latched)
+    _wait(lambda: matrices)
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=LIMIT_S)
+    assert process.returncode == 0, err
+    assert list(matrices[0].data) == [0.0, 1.0, 1.0, 0.0]
 
 
 def test_clock_option_publishes_the_time_of_the_bag(graph, bags):
