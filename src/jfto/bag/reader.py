@@ -103,6 +103,9 @@ def _open(path: Path) -> _Source:
         return _Finished(readable)
     except (ReaderError, OSError, AssertionError, ValueError) as error:
         files = sorted(path.glob("*.mcap")) if path.is_dir() else [path]
+        if not files and not databases:
+            text = "it has no metadata.yaml, and no .mcap or .db3 file"
+            raise BagError(f"{path}: cannot be read as a bag: {text}.") from None
         if not files or any(each.suffix != ".mcap" for each in files):
             raise BagError(f"{path}: cannot be read as a bag: {error}") from None
         return _Unfinished(path, files)

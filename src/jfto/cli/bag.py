@@ -239,7 +239,8 @@ def replay(
     unknown = [name for name in names if name not in NODES]
     if unknown or not names:
         raise click.BadParameter(f"choose from {', '.join(NODES)}.", param_hint="--nodes")
-    found = replay_bag(Bag(bag), names, parameters or bag / PARAMETERS_NAME, tolerance_db)
+    folder = bag if bag.is_dir() else bag.parent
+    found = replay_bag(Bag(bag), names, parameters or folder / PARAMETERS_NAME, tolerance_db)
     if output is not None:
         write_outputs(found, output)
     click.echo(f"{found.input_count} inputs, {len(found.outputs)} outputs, {found.digest[:16]}")

@@ -86,11 +86,13 @@ def test_input_that_is_missing_is_named(flight, tmp_path):
 
 
 def test_parameters_must_be_named(flight, tmp_path, capsys):
-    """A bag without parameters.yaml asks for --params-file; an unknown node is a usage error."""
+    """They lie beside the bag, or --params-file is asked for; an unknown node is refused."""
     shutil.copytree(flight, tmp_path / "bag")
     (tmp_path / "bag" / "parameters.yaml").unlink()
     assert main(["bag", "replay", str(tmp_path / "bag")]) == 2
     assert "--params-file" in capsys.readouterr().err
+    file = flight / "tiny_flight.mcap"
+    assert main(["bag", "replay", str(file), "--nodes", "topology"]) == 0
     assert main(["bag", "replay", str(flight), "--nodes", "planner"]) == 2
     assert "choose from topology, power" in capsys.readouterr().err
 
