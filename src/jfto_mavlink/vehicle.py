@@ -78,6 +78,7 @@ class Vehicle:
     mission_state: int | None = None
     landed_state: int | None = None
     home_deg_m: tuple[float, float, float] | None = None
+    ekf_origin_deg_m: tuple[float, float, float] | None = None
     uid: str | None = None
     firmware: int | None = None
     texts: deque[StatusText] = field(default_factory=lambda: deque(maxlen=TEXTS_KEPT))
@@ -144,7 +145,7 @@ class Vehicle:
         self.time_sync.restart()
         self.uid = None
         self.mission_current = None
-        self.home_deg_m = None
+        self.home_deg_m = self.ekf_origin_deg_m = None
 
     def _at_boot_time(self, time_boot_ms: int, now_s: float) -> None:
         last = self.time_boot_ms
@@ -212,6 +213,11 @@ def _home(vehicle: Vehicle, message: Message, _: float) -> None:
     vehicle.home_deg_m = (message.latitude / 1e7, message.longitude / 1e7, message.altitude / 1e3)
 
 
+def _ekf_origin(vehicle: Vehicle, message: Message, _: float) -> None:
+    place = (message.latitude / 1e7, message.longitude / 1e7, message.altitude / 1e3)
+    vehicle.ekf_origin_deg_m = place
+
+
 def _version(vehicle: Vehicle, message: Message, _: float) -> None:
     vehicle.uid = uid_text(message)
     vehicle.firmware = message.flight_sw_version
@@ -250,6 +256,7 @@ _HANDLERS: dict[str, Callable[[Vehicle, Message, float], None]] = {
     "MISSION_ITEM_REACHED": _item_reached,
     "EXTENDED_SYS_STATE": _extended_state,
     "HOME_POSITION": _home,
+    "GPS_GLOBAL_ORIGIN": _ekf_origin,
     "AUTOPILOT_VERSION": _version,
     "STATUSTEXT": _status_text,
 }

@@ -65,6 +65,56 @@ def fly_fleet(
 
     If one does not start, those in the air are called home and FlightError 601 says so.
     """
+    line = _checked_line(runner, clock, release, missions, settings, report)
+
+    def journey(uav: str) -> Callable[[Context], Exchange[FlightRecord]]:
+        return lambda context: _journey(context, line, missions[uav])
+
+    results = runner.run({uav: journey(uav) for uav in missions}, report)
+    failed = {uav: r for uav, r in results.items() if isinstance(r, Exception)}
+    if failed:
+        reasons = " ".join(str(error) for error in failed.values())
+        raise FlightError(603, f"The flight was broken off: {reasons}")
+    return {uav: r for uav, r in results.items() if isinstance(r, FlightRecord)}
+
+
+def start_fleet(
+    runner: Runner,
+    clock: Clock,
+    release: Release,
+    missions: Mapping[str, VehicleMission],
+    settings: FlySettings,
+    report: Reporter | None = None,
+    begun: Callable[[StartLine], None] = lambda _line: None,
+) -> None:
+    """Check and start all vehicles, and leave them to their missions once they fly.
+
+    `begun` is given the line before anybody arms: a text in its `failed` holds everybody back. If
+    one does not start, those in the air are called home and FlightError 603 says so.
+    """
+    line = _checked_line(runner, clock, release, missions, settings, report)
+    begun(line)
+    results = runner.run({uav: lambda context: start(context, line) for uav in missions}, report)
+    failed = {uav: r for uav, r in results.items() if isinstance(r, Exception)}
+    if not failed:
+        return
+    reasons = " ".join(str(error) for error in failed.values())
+    flying = [uav for uav in results if uav not in failed]
+    recalled = runner.run(dict.fromkeys(flying, return_home), report)
+    lost = [str(error) for error in recalled.values() if isinstance(error, Exception)]
+    after = f" Called home: {', '.join(flying)}." if flying else ""
+    raise FlightError(603, " ".join([f"The start was broken off: {reasons}{after}", *lost]))
+
+
+def _checked_line(
+    runner: Runner,
+    clock: Clock,
+    release: Release,
+    missions: Mapping[str, VehicleMission],
+    settings: FlySettings,
+    report: Reporter | None,
+) -> StartLine:
+    """Who starts when, after all have passed the gate with the missions released."""
     stale = [u for u, m in missions.items() if release.digests.get(u) != m.digest]
     if stale or set(release.digests) != set(missions):
         raise FlightError(602, f"{', '.join(stale) or 'the fleet'}: not the released mission.")
@@ -78,17 +128,7 @@ def fly_fleet(
                 "gates; no vehicle is armed. Leave more time before the start.",
             )
         begin_s = settings.start_at_s
-    line = StartLine({u: begin_s + k * settings.stagger_s for k, u in enumerate(missions)})
-
-    def journey(uav: str) -> Callable[[Context], Exchange[FlightRecord]]:
-        return lambda context: _journey(context, line, missions[uav])
-
-    results = runner.run({uav: journey(uav) for uav in missions}, report)
-    failed = {uav: r for uav, r in results.items() if isinstance(r, Exception)}
-    if failed:
-        reasons = " ".join(str(error) for error in failed.values())
-        raise FlightError(603, f"The flight was broken off: {reasons}")
-    return {uav: r for uav, r in results.items() if isinstance(r, FlightRecord)}
+    return StartLine({u: begin_s + k * settings.stagger_s for k, u in enumerate(missions)})
 
 
 def _journey(context: Context, line: StartLine, mission: VehicleMission) -> Exchange[FlightRecord]:

@@ -84,6 +84,20 @@ def gate(
 
     Returns what remains, in words; empty if the vehicle may fly.
     """
+    found = yield from wait_ready(context, home_deg, settings)
+    if found:
+        return found
+    try:
+        differing = yield from verify(context, mission)
+    except TransferError as error:
+        return (str(error),)
+    return tuple(f"{context.uav}: mission on board: {text}" for text in differing)
+
+
+def wait_ready(
+    context: Context, home_deg: tuple[float, float] | None, settings: GateSettings
+) -> Exchange[tuple[str, ...]]:
+    """Wait until nothing speaks against arming; returns what still does, in words."""
     until_s = context.clock() + settings.wait_s
     ask_s = context.clock()
     told: tuple[str, ...] = ()
@@ -98,11 +112,7 @@ def gate(
             told = found
             yield from _ask_for_checks(context)
         yield Wait(min(until_s, ask_s))
-    try:
-        differing = yield from verify(context, mission)
-    except TransferError as error:
-        return (str(error),)
-    return tuple(f"{context.uav}: mission on board: {text}" for text in differing)
+    return ()
 
 
 def _ask_for_checks(context: Context) -> Exchange[None]:

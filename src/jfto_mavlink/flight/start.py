@@ -42,13 +42,7 @@ def start(context: Context, line: StartLine) -> Exchange[float]:
 
     If any vehicle of the line fails to arm, the others disarm again and raise FlightError 601.
     """
-    try:
-        yield from _arm(context, line)
-        yield from _wait_for_line(context, line)
-    except MavlinkError:
-        line.failed = line.failed or context.uav
-        yield from _disarm(context)
-        raise
+    yield from line_up(context, line)
     yield Report("starts its mission")
     vehicle = context.vehicle
     yield from command_seen(
@@ -61,6 +55,17 @@ def start(context: Context, line: StartLine) -> Exchange[float]:
     )
     yield Report("flies")
     return vehicle.own_time_s(context.clock())
+
+
+def line_up(context: Context, line: StartLine) -> Exchange[None]:
+    """Arm in GUIDED and wait for the vehicle's moment; raises MavlinkError, disarmed again."""
+    try:
+        yield from _arm(context, line)
+        yield from _wait_for_line(context, line)
+    except MavlinkError:
+        line.failed = line.failed or context.uav
+        yield from disarm(context)
+        raise
 
 
 def _arm(context: Context, line: StartLine) -> Exchange[None]:
@@ -100,7 +105,7 @@ def _held_back(context: Context, line: StartLine) -> FlightError:
     return FlightError(601, f"{context.uav}: held back, because {line.failed} did not arm.")
 
 
-def _disarm(context: Context) -> Exchange[None]:
+def disarm(context: Context) -> Exchange[None]:
     """Disarm on the ground; the vehicle would do it by itself after 10 s."""
     if not context.vehicle.armed:
         return

@@ -1,0 +1,1 @@
+"""GUIDED flight: a trajectory streamed to a vehicle as moving targets, and stopped on purpose."""
