@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import socket
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -14,9 +13,11 @@ from jfto_mavlink.clock import Clock, ScaledClock
 from jfto_mavlink.errors import RosterError
 from jfto_mavlink.fleet.release import Runner
 from jfto_mavlink.link.address import parse_address
+from jfto_mavlink.link.free_port import free_udp_port
 from jfto_mavlink.link.key_file import StampFile, read_key
 from jfto_mavlink.link.signing import Signer
 from jfto_mavlink.roster import Roster, RosterEntry, parse_roster
+from jfto_mavlink.streams import DEFAULT_RATES
 from jfto_mavlink.watch import Event
 from jfto_msgs_py.plan import Plan
 from jfto_sim import VehicleConfig
@@ -51,6 +52,7 @@ def open_fleet(
     on_event: Callable[[Event], None] | None = None,
     grounds: Mapping[str, PadGround] | None = None,
     complete: bool = True,
+    rates: Mapping[int, float] = DEFAULT_RATES,
 ) -> Iterator[FleetSession]:
     """Open a fleet and wait until all of it is heard.
 
@@ -64,7 +66,7 @@ def open_fleet(
         if key_file is not None:
             raise RosterError(201, "simulated vehicles start without a key; leave --key out.")
         with _simulated(
-            vehicles[0], pads, grounds or {}, speedup, log_directory, on_event
+            vehicles[0], pads, grounds or {}, speedup, log_directory, on_event, rates
         ) as session:
             yield session
         return
@@ -77,7 +79,9 @@ def open_fleet(
             205, f"{', '.join(sorted(missing))}: in the plan or in the roster, not in both."
         )
     signer = None if key_file is None else load_signer(key_file)
-    with Bridge(roster, signer=signer, log_directory=log_directory, on_event=on_event) as bridge:
+    with Bridge(
+        roster, signer=signer, log_directory=log_directory, rates=rates, on_event=on_event
+    ) as bridge:
         if complete:
             bridge.wait_heard(HEARD_WAIT_S)
         else:
@@ -114,6 +118,7 @@ def _simulated(
     speedup: float,
     log_directory: Path | None,
     on_event: Callable[[Event], None] | None,
+    rates: Mapping[int, float],
 ) -> Iterator[FleetSession]:
     count = text.removeprefix(SIMULATED)
     if count != str(len(pads)):
@@ -121,7 +126,7 @@ def _simulated(
             201, f"{text}: the plan has {len(pads)} UAVs, so it must be sim:{len(pads)}."
         )
     start_unix_s = time.time()
-    link = parse_address(f"udpin:127.0.0.1:{_free_port()}")
+    link = parse_address(f"udpin:127.0.0.1:{free_udp_port()}")
     configs = [
         VehicleConfig(
             sysid=n,
@@ -148,14 +153,9 @@ def _simulated(
             clock=clock,
             unix=unix,
             log_directory=log_directory,
+            rates=rates,
             on_event=on_event,
         ) as bridge,
     ):
         bridge.wait_heard(HEARD_WAIT_S * max(speedup, 1.0))
         yield FleetSession(bridge, clock, unix, simulated=True)
-
-
-def _free_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])

@@ -20,6 +20,7 @@ from jfto_mavlink.files.tlog import read_tlog
 from jfto_mavlink.fleet.release import deliver_to_fleet
 from jfto_mavlink.flight.control import brake
 from jfto_mavlink.link.address import parse_address
+from jfto_mavlink.link.free_port import free_udp_port
 from jfto_mavlink.link.port import Station, open_transport
 from jfto_mavlink.mission.deliver import deliver
 from jfto_mavlink.mission.item import MISSION, Item, Mission
@@ -28,12 +29,6 @@ from jfto_sim import VehicleConfig
 from jfto_sim.server import ServerSettings, SimServer
 
 SPEEDUP = 10.0
-
-
-def free_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
 
 
 def serve(*endpoints: str) -> SimServer:
@@ -63,7 +58,7 @@ def held(server: SimServer, sysid: int) -> list[int]:
 
 def test_three_vehicles_on_one_listening_port(tmp_path):
     """Each is answered at its own address; logs are written per vehicle, both directions."""
-    port = free_port()
+    port = free_udp_port()
     roster = parse_roster([f"uav{n}={n}@udpin:127.0.0.1:{port}" for n in (1, 2, 3)])
     with (
         serve(*[f"udpto:127.0.0.1:{port}"] * 3) as server,
@@ -152,7 +147,7 @@ def test_a_serial_line_carries_frames_both_ways():
 
 def test_a_vehicle_that_is_not_there_is_named():
     """With the ones that were heard instead."""
-    port = free_port()
+    port = free_udp_port()
     roster = parse_roster([f"uav{n}={n}@udpin:127.0.0.1:{port}" for n in (1, 7)])
     with (
         serve(*[f"udpto:127.0.0.1:{port}"] * 2),
@@ -173,7 +168,7 @@ def test_a_taken_port_is_an_error_at_once():
 
 def test_closing_ends_whoever_waits():
     """A conversation under way ends with an error, not in a hang."""
-    bridge = Bridge(Roster(parse_roster(["a=1@udpin:127.0.0.1:" + str(free_port())]).entries))
+    bridge = Bridge(Roster(parse_roster(["a=1@udpin:127.0.0.1:" + str(free_udp_port())]).entries))
     with bridge:
         future = bridge.start("a", brake)
     with pytest.raises(LinkError, match="closed"):
@@ -182,7 +177,7 @@ def test_closing_ends_whoever_waits():
 
 def test_floods_of_rubbish_leave_the_bridge_working():
     """10 000 malformed frames and random datagrams from many senders: no crash, no growth."""
-    port, rng = free_port(), random.Random(3)
+    port, rng = free_udp_port(), random.Random(3)
     roster = parse_roster([f"uav1=1@udpin:127.0.0.1:{port}"])
     with (
         serve(f"udpto:127.0.0.1:{port}"),
