@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from jfto.pose_player_options import PosePlayerOptions
+from jfto_mavlink.bridge_options import BridgeOptions
 from jfto_msgs_py.scenario import Key
 from jfto_msgs_py.scenario.options import option_keys
 from jfto_planner.planner_options import PlannerOptions
@@ -14,5 +15,5 @@ NODE_OPTIONS: dict[str, dict[str, Key]] = {
     "topology_node": option_keys(TopologyOptions),
     "power_node": option_keys(PowerOptions),
     "pose_player": option_keys(PosePlayerOptions),
-    "mavlink_bridge": {},
+    "mavlink_bridge": option_keys(BridgeOptions),
 }

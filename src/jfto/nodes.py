@@ -60,11 +60,21 @@ def pose_player(arguments: Arguments = None) -> int:
     return _run(PosePlayerNode, arguments)
 
 
+def mavlink_bridge(arguments: Arguments = None) -> int:
+    """Run the bridge to vehicles."""
+    use_stand_in_where_needed()
+    from jfto.bridge_fleet import ground_of, open_simulated
+    from jfto_mavlink.mavlink_bridge import MavlinkBridgeNode
+
+    return _run(lambda: MavlinkBridgeNode(open_simulated, ground_of), arguments)
+
+
 NODES = {
     "planner_node": planner_node,
     "topology_node": topology_node,
     "power_node": power_node,
     "pose_player": pose_player,
+    "mavlink_bridge": mavlink_bridge,
 }
 
 

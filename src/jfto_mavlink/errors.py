@@ -39,6 +39,8 @@ CODES: dict[int, str] = {
     602: "mission on board is not the released one",
     603: "flight ended before its last waypoint",
     604: "waypoint missed",
+    605: "another order is being carried out",
+    606: "arming is not allowed",
     701: "key file cannot be used",
     702: "vehicle does not accept the key",
 }

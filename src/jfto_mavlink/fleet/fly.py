@@ -12,7 +12,7 @@ from jfto_mavlink.fleet.release import Release, Reporter, Runner
 from jfto_mavlink.flight.control import return_home
 from jfto_mavlink.flight.follow import FlightRecord, follow
 from jfto_mavlink.flight.preflight import GateSettings, gate
-from jfto_mavlink.flight.start import StartLine, start
+from jfto_mavlink.flight.start import StartLine, start, unless_called_off
 from jfto_mavlink.mission.build import VehicleMission
 
 # Time for mode changes and arming before the first vehicle's moment.
@@ -94,7 +94,18 @@ def start_fleet(
     """
     line = _checked_line(runner, clock, release, missions, settings, report)
     begun(line)
-    results = runner.run({uav: lambda context: start(context, line) for uav in missions}, report)
+
+    def job(context: Context) -> Exchange[float]:
+        return unless_called_off(line, start(context, line))
+
+    results = runner.run(dict.fromkeys(missions, job), report)
+    recall_where_failed(runner, results, report)
+
+
+def recall_where_failed(
+    runner: Runner, results: Mapping[str, object], report: Reporter | None
+) -> None:
+    """Call the others home if one did not start; raises FlightError 603 then."""
     failed = {uav: r for uav, r in results.items() if isinstance(r, Exception)}
     if not failed:
         return

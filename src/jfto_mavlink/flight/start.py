@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 from jfto_mavlink.command import command_seen, send_command, set_mode
 from jfto_mavlink.dialect import MODES, mavlink
@@ -15,6 +16,7 @@ ARMED_WAIT_S = 3.0
 LIFT_OFF_WAIT_S = 6.0
 # An armed vehicle on the ground disarms itself after 10 s.
 ARM_AHEAD_S = 4.0
+T = TypeVar("T")
 AIRBORNE = (mavlink.MAV_LANDED_STATE_IN_AIR, mavlink.MAV_LANDED_STATE_TAKEOFF)
 
 
@@ -22,12 +24,14 @@ AIRBORNE = (mavlink.MAV_LANDED_STATE_IN_AIR, mavlink.MAV_LANDED_STATE_TAKEOFF)
 class StartLine:
     """Shared by vehicles that start together: nobody goes before all first ones are armed.
 
-    `go_s` maps each vehicle to its moment on the bridge's clock.
+    `go_s` maps each vehicle to its moment on the bridge's clock. `failed` names who holds the
+    others back, `reason` says why where it is not that it did not arm.
     """
 
     go_s: dict[str, float]
     armed: set[str] = field(default_factory=set)
     failed: str = ""
+    reason: str = ""
 
     def clear_for(self, uav: str) -> bool:
         """Whether a vehicle may go: everyone whose turn is within its arming time is armed."""
@@ -102,7 +106,25 @@ def _wait_for_line(context: Context, line: StartLine) -> Exchange[None]:
 
 
 def _held_back(context: Context, line: StartLine) -> FlightError:
-    return FlightError(601, f"{context.uav}: held back, because {line.failed} did not arm.")
+    because = line.reason or f"{line.failed} did not arm"
+    return FlightError(601, f"{context.uav}: held back, because {because}.")
+
+
+def unless_called_off(line: StartLine, exchange: Exchange[T]) -> Exchange[T]:
+    """Run an exchange until the line has a `reason`; then end it, raising FlightError 601.
+
+    Nothing is repeated after that: a start under way would undo an order to return.
+    """
+    answer = None
+    while not line.reason:
+        try:
+            step = exchange.send(answer)
+        except StopIteration as stop:
+            result: T = stop.value
+            return result
+        answer = yield step
+    exchange.close()
+    raise FlightError(601, f"start called off, because {line.reason}.")
 
 
 def disarm(context: Context) -> Exchange[None]:

@@ -34,10 +34,14 @@ class GuidedSettings:
 
 @dataclass(frozen=True)
 class Step:
-    """A target to send, or a reason to stop for; neither while the trajectory has not begun."""
+    """A target to send, or a reason to stop for; neither while the trajectory has not begun.
+
+    With `leave` the vehicle is in other hands already and must not be stopped.
+    """
 
     target: Reference | None = None
     stop: str = ""
+    leave: bool = False
 
 
 class Scheduler:
@@ -56,6 +60,7 @@ class Scheduler:
         self._stepped_s: float | None = None
         self._confirmed_s = float("-inf")
         self._halt = ""
+        self._leave = ""
 
     def take(self, trajectory: TimedTrajectory, now_s: float) -> None:
         """A trajectory has come; a new one replaces the one being flown."""
@@ -70,8 +75,14 @@ class Scheduler:
         """Stop at the next step."""
         self._halt = self._halt or reason
 
+    def leave(self, reason: str) -> None:
+        """End at the next step without stopping the vehicle, which gets other orders."""
+        self._leave = reason
+
     def step(self, now_s: float, now_ns: int, here_m: Array, position_age_s: float) -> Step:
         """What to do now; `here_m` (3,) is where the vehicle was `position_age_s` ago."""
+        if self._leave:
+            return Step(stop=self._leave, leave=True)
         stop = self._reason_to_stop(now_s, now_ns, position_age_s)
         self._stepped_s = now_s
         trajectory = self._trajectory

@@ -65,8 +65,9 @@ def stream(
         at_ns = now_ns()
         step = scheduler.step(now_s, at_ns, here_m, age_s)
         if step.stop:
-            yield Report(f"stops: {step.stop}")
-            yield from stop(context)
+            yield Report(f"streaming ends: {step.stop}")
+            if not step.leave:
+                yield from stop(context)
             return step.stop
         if step.target is not None:
             facing = None if heading is None else heading.at((at_ns - start_ns()) / 1e9)

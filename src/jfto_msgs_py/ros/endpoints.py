@@ -51,7 +51,7 @@ TOPICS = (
         "trajectory_msgs/msg/MultiDOFJointTrajectory",
         qos.latched,
         (_PLANNER,),
-        (_TOPOLOGY, _POWER, _PLAYER),
+        (_TOPOLOGY, _POWER, _PLAYER, _BRIDGE),
         "planned motion, header stamp is lift-off",
     ),
     Topic(
@@ -135,7 +135,17 @@ SERVICES = (
         "plan anew from the parameters; answers when the plan is published or has failed",
     ),
     *(
-        Service(name, "std_srvs/srv/Trigger", _BRIDGE, f"{name.rpartition('/')[2]} the mission")
-        for name in topics.MISSION_SERVICES
+        Service(name, "std_srvs/srv/Trigger", _BRIDGE, doc)
+        for name, doc in zip(
+            topics.MISSION_SERVICES,
+            (
+                "upload all missions, read them back and compare: all or none",
+                "check, arm and start the fleet; answers when all fly. Needs allow_arming",
+                "hold all that fly their mission",
+                "let all go on that hold",
+                "bring all home, at once and whatever else is under way",
+            ),
+            strict=True,
+        )
     ),
 )

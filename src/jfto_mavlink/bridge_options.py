@@ -1,0 +1,50 @@
+"""The parameters of mavlink_bridge besides the scenario's."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from jfto_msgs_py.scenario.key import param
+
+
+@dataclass(frozen=True)
+class BridgeOptions:
+    """The bridge's own parameters."""
+
+    autostart: bool = param(True, "Configure and activate at start.")
+    plan_file: str = param("", "Plan that is flown; waited for where there is none yet.")
+    roster: tuple[str, ...] = param(
+        (),
+        "Vehicles: UAV=SYSID@LINK[#UID] each, or sim:N. @LINK may be left out where endpoints are "
+        "given, all of it where the UAVs have system ids 1, 2 and so on.",
+    )
+    endpoints: tuple[str, ...] = param(
+        (), "Links of roster entries without one: one for all or one each (udpin:0.0.0.0:14550)."
+    )
+    key_file: str = param("", "MAVLink signing key; left out: unsigned.")
+    log_directory: str = param("", "Where a .tlog per vehicle is written; left out: nowhere.")
+    telemetry_rate_hz: float = param(
+        10.0, "Positions and attitudes per second and UAV.", unit="Hz", low=0.5, high=50.0
+    )
+    allow_arming: bool = param(
+        False, "Let the start service arm vehicles. Simulated ones are always armed."
+    )
+    guided: bool = param(
+        False, "Stream the published trajectories instead of starting uploaded missions."
+    )
+    abort_by_landing: bool = param(
+        False, "The abort service lets them land where they are instead of returning home."
+    )
+    style: str = param("fly_through", "How waypoints are flown.", choices=("fly_through", "hold"))
+    pass_within_m: float = param(
+        2.0, "How close every waypoint is passed.", unit="m", low=0.1, high=10.0
+    )
+    takeoff_height_m: float = param(
+        10.0, "Height of the take-off above the pad.", unit="m", low=1.0, high=100.0
+    )
+    check_terrain: bool = param(
+        True, "Refuse missions whose legs or way home do not clear the scenario's terrain."
+    )
+    speedup: float = param(
+        1.0, "Simulated vehicles: how much faster than the clock.", low=0.1, high=50.0
+    )

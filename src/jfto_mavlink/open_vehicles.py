@@ -1,0 +1,104 @@
+"""The vehicles that parameters name: their roster, and opening it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager, ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+
+from jfto_mavlink.bridge import Bridge
+from jfto_mavlink.bridge_options import BridgeOptions
+from jfto_mavlink.dialect import mavlink
+from jfto_mavlink.errors import RosterError
+from jfto_mavlink.link.key_file import StampFile, read_key
+from jfto_mavlink.link.signing import Signer
+from jfto_mavlink.roster import Roster, parse_roster
+from jfto_mavlink.streams import DEFAULT_RATES
+from jfto_mavlink.watch import Event
+from jfto_msgs_py.plan import Plan
+
+SIMULATED = "sim:"
+
+
+@dataclass(frozen=True)
+class FleetRequest:
+    """What is to be opened. `pads` holds latitude, longitude and height of each UAV's pad."""
+
+    plan: Plan
+    pads: Mapping[str, tuple[float, float, float]]
+    count: int
+    speedup: float
+    rates: Mapping[int, float]
+    log_directory: Path | None
+    on_event: Callable[[Event], None]
+
+
+# Opens simulated vehicles on their pads, for as long as the context lasts.
+OpenSimulated = Callable[[FleetRequest], AbstractContextManager[Bridge]]
+
+
+def simulated_count(options: BridgeOptions) -> int | None:
+    """N where the roster is sim:N, None for real vehicles; raises RosterError."""
+    if not any(text.startswith(SIMULATED) for text in options.roster):
+        return None
+    number = options.roster[0].removeprefix(SIMULATED)
+    if len(options.roster) != 1 or not number.isdecimal():
+        raise RosterError(201, f"roster is {list(options.roster)}; simulated vehicles are sim:N.")
+    if options.endpoints or options.key_file:
+        raise RosterError(201, "simulated vehicles take neither endpoints nor a key_file.")
+    return int(number)
+
+
+def read_roster(options: BridgeOptions, uavs: Sequence[str]) -> Roster:
+    """Roster of real vehicles; raises RosterError where it does not name exactly these UAVs."""
+    texts = list(options.roster) or [f"{uav}={n}" for n, uav in enumerate(uavs, 1)]
+    bare = [index for index, text in enumerate(texts) if "@" not in text]
+    links = options.endpoints * len(bare) if len(options.endpoints) == 1 else options.endpoints
+    if len(links) != len(bare):
+        raise RosterError(
+            201,
+            f"{len(bare)} roster entries have no @LINK and endpoints has {len(options.endpoints)}; "
+            "give one for all, or one each.",
+        )
+    for index, link in zip(bare, links, strict=True):
+        texts[index] += f"@{link}"
+    roster = parse_roster(texts)
+    odd = set(roster.uavs) ^ set(uavs)
+    if odd:
+        raise RosterError(
+            205, f"{', '.join(sorted(odd))}: in the fleet or in the roster, not both."
+        )
+    return roster
+
+
+def rates(options: BridgeOptions) -> dict[int, float]:
+    """Message rates, Hz: position and attitude as asked for, the fix at most as often."""
+    wanted = options.telemetry_rate_hz
+    return {
+        **DEFAULT_RATES,
+        mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: wanted,
+        mavlink.MAVLINK_MSG_ID_ATTITUDE: wanted,
+        mavlink.MAVLINK_MSG_ID_GPS_RAW_INT: min(wanted, 5.0),
+    }
+
+
+def open_real(
+    stack: ExitStack, options: BridgeOptions, roster: Roster, request: FleetRequest
+) -> Bridge:
+    """Open the links of real vehicles, heard or not; raises LinkError or SigningError."""
+    signer = None
+    if options.key_file:
+        path = Path(options.key_file)
+        stamps = StampFile(path)
+        signer = Signer(read_key(path), time.time, stamps.load(), stamps.save)
+    return stack.enter_context(
+        Bridge(
+            roster,
+            signer=signer,
+            log_directory=request.log_directory,
+            rates=request.rates,
+            on_event=request.on_event,
+        )
+    )
