@@ -132,8 +132,10 @@ class TopologyHorizon:
         )
 
     def _late(self, slot: int, now_ns: int) -> tuple[str, ...]:
-        """UAVs not measured since the slot began, except before the mission."""
-        begin_ns = min(self.instant_ns(slot), now_ns)
+        """UAVs not measured since the slot began; before lift-off, UAVs whose pose is stale."""
+        begin_ns = self.instant_ns(slot)
+        if now_ns < begin_ns:
+            begin_ns = now_ns - round(self.settings.stale_after_s * 1e9)
         return tuple(
             uav_id
             for uav_id in self.prediction.uav_ids

@@ -40,6 +40,19 @@ def test_a_slot_is_due_when_all_poses_have_come() -> None:
     assert not horizon.due(at(2.3))
 
 
+def test_before_lift_off_the_first_slot_is_solved_once_all_are_heard() -> None:
+    """On the pads there is time: the topology waits for every UAV, and precedes the start."""
+    horizon = _horizon(3)
+    _measure(horizon, -5.0, range(2))
+    assert not horizon.due(at(-4.9))
+    _measure(horizon, -4.8, range(3))
+    assert horizon.due(at(-4.7))
+    found = horizon.solve(at(-4.7))
+    assert found is not None
+    assert (found.adjacency.horizon.first, found.late, found.excluded) == (0, (), ())
+    assert not horizon.due(at(-4.0))
+
+
 def test_a_late_pose_never_blocks_a_slot() -> None:
     """At the deadline the slot is solved with the last good prediction, and the UAV is named."""
     horizon = _horizon(3)
