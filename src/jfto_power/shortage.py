@@ -37,7 +37,7 @@ class EnergyShortage(InfeasibleError):  # noqa: N818 - a state of the fleet, not
         )
         super().__init__(
             f"Energy budget below the least that the topology costs: {each}. "
-            f"The fleet as a whole holds slots 1 to {self.prefix_slots}.",
+            f"The fleet as a whole holds {_slots(self.prefix_slots)}.",
             cures=(
                 f"{missing_j.max():.3g} J more energy",
                 "higher antenna gain",
@@ -45,6 +45,10 @@ class EnergyShortage(InfeasibleError):  # noqa: N818 - a state of the fleet, not
                 "routes that stay closer together",
             ),
         )
+
+
+def _slots(count: int) -> str:
+    return f"slots 1 to {count}" if count > 1 else ("slot 1" if count else "no slot")
 
 
 def affordable_slots(p_low_w: Array, energy_j: Array, slot_duration_s: float) -> NDArray[np.int64]:
