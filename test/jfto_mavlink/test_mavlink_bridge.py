@@ -115,7 +115,7 @@ def test_a_fleet_is_uploaded_started_held_and_called_home(graph, plan_file):
 
 def test_an_abort_calls_a_start_off(graph, plan_file):
     """While the fleet lines up: nobody flies, start says why."""
-    station = Station(graph, plan_file, roster=["sim:2"], speedup=8.0)
+    station = Station(graph, plan_file, roster=["sim:2"], speedup=12.0)
     station.ready()
     assert station.call("upload")[0]
     client = graph.observer.create_client(Trigger, "/jfto/mission/start")

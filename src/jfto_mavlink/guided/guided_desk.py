@@ -49,10 +49,11 @@ class GuidedDesk(MissionDesk):
         plan: Plan,
         now_ns: Callable[[], int],
         take_off_m: float,
+        guided: GuidedSettings | None = None,
     ) -> None:
         super().__init__(bridge, missions, settings, report)
         self._now_ns, self._take_off_m = now_ns, take_off_m
-        self._guided = GuidedSettings()
+        self._guided = guided or GuidedSettings()
         self._uavs = {uav.id: uav for uav in plan.uavs}
         by_id = {waypoint.id: waypoint for waypoint in plan.waypoints}
         self._headings = {
@@ -99,8 +100,10 @@ class GuidedDesk(MissionDesk):
     def start(self) -> str:
         """Check, arm, take off together and stream; returns when all are on their way."""
         with self._start_order():
-            self._check_trajectories(self._now_ns() + round((PREPARE_S + TAKE_OFF_S) * 1e9))
+            self._check_trajectories()
             self._check_ready()
+            # Getting ready may have taken a while.
+            self._check_trajectories()
             ahead_s = (self._lift_off_ns() - self._now_ns()) / 1e9 - TAKE_OFF_S
             go_s = self.bridge.clock() + max(PREPARE_S, ahead_s)
             line = StartLine(dict.fromkeys(self.missions, go_s))
@@ -198,7 +201,8 @@ class GuidedDesk(MissionDesk):
         if found:
             raise FlightError(601, "No vehicle is armed. " + "; ".join(found) + ".")
 
-    def _check_trajectories(self, joined_ns: int) -> None:
+    def _check_trajectories(self) -> None:
+        joined_ns = self._now_ns() + round((PREPARE_S + TAKE_OFF_S) * 1e9)
         missing = [uav for uav in self.missions if uav not in self._trajectories]
         if missing:
             raise FlightError(601, f"{', '.join(missing)}: no trajectory has come yet.")
