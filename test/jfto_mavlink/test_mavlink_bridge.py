@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+import os
+import signal
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -18,7 +22,7 @@ from jfto_msgs_py.errors import ScenarioError
 from jfto_msgs_py.plan_file import write_plan
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.vehicle import decode_pose
-from support.graph import Graph
+from support.graph import SCENARIO, Graph
 
 TWO = {"fleet.count": 2, "starts.count": 2, "mission.slot_count": 20}
 
@@ -168,3 +172,29 @@ def test_what_cannot_be_flown_is_refused_at_once(graph, plan_file, parameters, w
     """With a sentence, before anything is opened."""
     with pytest.raises((Exception, ScenarioError), match=words):
         Station(graph, plan_file, **parameters)
+
+
+@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
+def test_the_process_ends_when_it_is_told_to(plan_file, sent):
+    """With status 0 and without a traceback, its links closed."""
+    values = {**TWO, "plan_file": plan_file, "roster": "['sim:2']", "speedup": 10.0}
+    command = [sys.executable, "-m", "jfto.nodes", "mavlink_bridge", "--ros-args"]
+    for name, value in {**SCENARIO, **values}.items():
+        command += ["-p", f"{name}:={value}"]
+    environment = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join(sys.path),
+        "ROS_DOMAIN_ID": str(os.getpid() % 200 + 1),
+    }
+    with subprocess.Popen(
+        command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    ) as process:
+        said = []
+        for line in process.stdout:
+            said.append(line)
+            if "uav2: heard" in line:
+                break
+        process.send_signal(sent)
+        said += process.stdout.readlines()
+        assert process.wait(20.0) == 0, "".join(said)
+    assert not any("Traceback" in line for line in said)
