@@ -10,7 +10,6 @@ is measured is this process alone. Figures depend on the computer and on what el
 from __future__ import annotations
 
 import argparse
-import socket
 import subprocess
 import sys
 import time
@@ -21,6 +20,7 @@ from jfto_mavlink.bridge import Bridge
 from jfto_mavlink.command import request_message
 from jfto_mavlink.dialect import mavlink
 from jfto_mavlink.exchange import Context, Exchange
+from jfto_mavlink.link.free_port import free_udp_port
 from jfto_mavlink.roster import parse_roster
 
 SERVER = """
@@ -47,9 +47,7 @@ def main() -> int:
     parser.add_argument("--seconds", type=float, default=20.0)
     parser.add_argument("--commands", type=int, default=400)
     options = parser.parse_args()
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
+    port = free_udp_port()
     names = [f"uav{n + 1}" for n in range(options.vehicles)]
     roster = parse_roster([f"{name}={n}@udpin:127.0.0.1:{port}" for n, name in enumerate(names, 1)])
     server = subprocess.Popen([sys.executable, "-c", SERVER, str(options.vehicles), str(port)])

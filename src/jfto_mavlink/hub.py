@@ -208,14 +208,15 @@ class Hub:
     def _keep_greeted(self, track: Track, now_s: float) -> None:
         """Ask for identity and streams after contact, after a reboot, and when streams stop."""
         vehicle = track.vehicle
+        # A greeting that meets a deaf vehicle takes long to end; who it is must not wait for that.
+        if now_s - track.greeted_s > ASK_AGAIN_S and track.greeted_boot >= 0:
+            for peer in track.identity.unknown_peers():
+                track.greeted_s = now_s
+                self._transmit(track.entry.link, peer, _ask_version(track.context))
         if track.greeting is not None and not track.greeting.done:
             if track.greeted_boot == vehicle.reboots:
                 return
             track.greeting.cancel()
-        for peer in track.identity.unknown_peers():
-            if peer != track.identity.peer and now_s - track.greeted_s > ASK_AGAIN_S:
-                track.greeted_s = now_s
-                self._transmit(track.entry.link, peer, _ask_version(track.context))
         fresh = track.greeted_boot != vehicle.reboots
         silent = vehicle.silent_s(now_s) > SILENT_S
         if silent or not (fresh or now_s - track.greeted_s > ASK_AGAIN_S):
