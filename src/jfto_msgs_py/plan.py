@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -87,7 +88,9 @@ class Slots:
 class Plan:
     """The whole plan. `routes[a]` belongs to `uavs[a]`; `positions_m` is (A, count + 1, 3), ENU.
 
-    `trajectories` is empty until routes are smoothed; `certificate` is None before the check.
+    `time_model` and `time_parameters` say how routes turn into times; under "bezier" the flight is
+    `trajectories`, one record per UAV, which is empty otherwise. `certificate` is None before the
+    check.
     """
 
     scenario_hash: str
@@ -105,6 +108,7 @@ class Plan:
     positions_m: NDArray[np.float64]
     certificate: Certificate | None = None
     time_model: str = "constant_speed"
+    time_parameters: Mapping[str, float] = field(default_factory=dict)
     trajectories: tuple[dict[str, Any], ...] = field(default=())
 
     @property

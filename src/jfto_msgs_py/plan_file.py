@@ -12,8 +12,8 @@ import numpy as np
 
 from jfto_msgs_py.certificate import Certificate
 from jfto_msgs_py.errors import PlanError
-from jfto_msgs_py.plan import PLAN_FORMAT, PLAN_VERSION, Plan, Route, Uav
-from jfto_msgs_py.plan_reader import TOP_KEYS, UAV_LIMITS, plan_of_text
+from jfto_msgs_py.plan import PLAN_FORMAT, PLAN_VERSION, Plan, Route, Uav, Waypoint
+from jfto_msgs_py.plan_reader import UAV_LIMITS, plan_of_text
 from jfto_msgs_py.read_text import read_text
 from jfto_msgs_py.write_file import write_file
 
@@ -59,6 +59,7 @@ def plan_text(plan: Plan) -> str:
         "d_min_m": _plain(plan.d_min_m),
         "length_max_m": _plain(plan.length_max_m),
         "time_model": plan.time_model,
+        "time_parameters": _plain(dict(plan.time_parameters)),
         "slots": {
             "count": plan.slots.count,
             "duration_s": _plain(plan.slots.duration_s, _ORIGIN_DECIMALS),
@@ -71,7 +72,20 @@ def plan_text(plan: Plan) -> str:
         "trajectories": [_plain(trajectory) for trajectory in plan.trajectories],
         "certificate": None if plan.certificate is None else _certificate_object(plan.certificate),
     }
-    return "{\n" + ",\n".join(_member(name, document[name]) for name in TOP_KEYS) + "\n}\n"
+    return "{\n" + ",\n".join(_member(name, document[name]) for name in document) + "\n}\n"
+
+
+def rounded_waypoint(waypoint: Waypoint) -> Waypoint:
+    """The waypoint as a plan file will hold it, so that times computed from it stay true."""
+    east, north, up = _plain(waypoint.position_m)
+    return Waypoint(
+        waypoint.id, (east, north, up), _plain(waypoint.yaw_deg), _plain(waypoint.pitch_deg)
+    )
+
+
+def rounded_record(value: Any) -> Any:
+    """Numbers, lists and objects as a plan file will hold them."""
+    return _plain(value)
 
 
 def _plain(value: Any, decimals: int = DECIMALS) -> Any:

@@ -34,6 +34,8 @@ TOP_KEYS = (
     "certificate",
 )
 UAV_LIMITS = ("p_max_dbm", "energy_j", "t_max_s", "speed_mps", "climb_mps", "descent_mps")
+# Plans at constant speed, the first there were, had no parameters.
+_OPTIONAL_KEYS = ("time_parameters",)
 _UAV_KEYS = ("id", *UAV_LIMITS, "start_m", "route", "arrival_s", "length_m")
 
 
@@ -41,7 +43,7 @@ def plan_of_text(text: str, path: Path) -> Plan:
     """Plan of a JSON text; `path` names it in errors. Raises PlanError."""
     root = parse_json(text, path)
     _check_format(root)
-    top = root.keys(TOP_KEYS)
+    top = root.keys(TOP_KEYS, _OPTIONAL_KEYS)
     slots = _slots(top["slots"])
     waypoints = _waypoints(top["waypoints"])
     known = {waypoint.id for waypoint in waypoints}
@@ -67,6 +69,7 @@ def plan_of_text(text: str, path: Path) -> Plan:
         positions_m=top["positions_m"].array((len(uavs), slots.count + 1, 3)),
         certificate=_certificate(top["certificate"], len(uavs)),
         time_model=top["time_model"].text(),
+        time_parameters=_numbers(top.get("time_parameters")),
         trajectories=tuple(_trajectory(node) for node in top["trajectories"].items()),
     )
 
@@ -172,6 +175,14 @@ def _k_min(node: JsonNode, uav_count: int) -> int:
             f"is {k_min}, but {uav_count} UAVs can have at most {uav_count - 1} neighbours."
         )
     return k_min
+
+
+def _numbers(node: JsonNode | None) -> dict[str, float]:
+    if node is None:
+        return {}
+    if not isinstance(node.value, dict):
+        raise node.error("must be an object of numbers.")
+    return {name: member.number() for name, member in node.keys(node.value).items()}
 
 
 def _trajectory(node: JsonNode) -> dict[str, Any]:

@@ -62,7 +62,7 @@ def _straight(plan: Plan, index: int) -> tuple[NDArray[np.int64], tuple[Array, A
     position_of = {waypoint.id: waypoint.position_m for waypoint in plan.waypoints}
     line = np.array([uav.start_m, *(position_of[number] for number in route.waypoint_ids)])
     arrival_s = np.array([0.0, *route.arrival_s])
-    model = time_model_named(plan.time_model)
+    model = time_model_named(plan.time_model, plan.time_parameters)
     if isinstance(model, ConstantSpeed):
         offsets_ns, kept = np.unique(_nanoseconds(arrival_s), return_index=True)
         position = line[kept]

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 from jfto_msgs_py.scenario.key import param
 
-TIME_MODELS = ("constant_speed",)
-
 
 @dataclass(frozen=True)
 class NetworkPart:
@@ -34,11 +32,6 @@ class MissionPart:
         unit="s",
         low=0.0,
         high=100_000.0,
-    )
-    time_model: str = param(
-        "constant_speed",
-        "How a UAV flies a leg; constant_speed: the longer of its horizontal and vertical times.",
-        choices=TIME_MODELS,
     )
 
 

@@ -14,6 +14,7 @@ from jfto_msgs_py.scenario.key import Key, keys_of
 from jfto_msgs_py.scenario.mission import EvaluationPart, MissionPart, NetworkPart, SearchPart
 from jfto_msgs_py.scenario.radio import RadioPart
 from jfto_msgs_py.scenario.terrain import TerrainPart
+from jfto_msgs_py.scenario.trajectory import TrajectoryPart
 from jfto_msgs_py.scenario.waypoints import WaypointsPart
 
 
@@ -30,6 +31,7 @@ class Scenario:
     radio: RadioPart = field(default_factory=RadioPart)
     network: NetworkPart = field(default_factory=NetworkPart)
     mission: MissionPart = field(default_factory=MissionPart)
+    trajectory: TrajectoryPart = field(default_factory=TrajectoryPart)
     search: SearchPart = field(default_factory=SearchPart)
     evaluation: EvaluationPart = field(default_factory=EvaluationPart)
 
@@ -57,6 +59,7 @@ PARTS: dict[str, type] = {
     "radio": RadioPart,
     "network": NetworkPart,
     "mission": MissionPart,
+    "trajectory": TrajectoryPart,
     "search": SearchPart,
     "evaluation": EvaluationPart,
 }

@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.certificate import Violation
+from jfto_msgs_py.errors import PlanError
 from jfto_msgs_py.plan import Plan
+from jfto_planner.routing.certificate_curves import check_curves, curves_of
 from jfto_world.motion import MotionLimits, time_model_named
 
 Array = NDArray[np.float64]
@@ -17,18 +19,22 @@ Array = NDArray[np.float64]
 # Plan files round to micrometres and microseconds, and sums of them differ by more.
 TOLERANCE_M = 1e-3
 TOLERANCE_S = 1e-3
+# The time model whose flights are written out in the plan.
+CURVES = "bezier"
 
 
 @dataclass(frozen=True)
 class Flown:
     """Routes as flown by the plan's time model.
 
-    `arrivals_s[a]` starts with the pad's 0 s; `positions_m` is (finer N + 1, A, 3).
+    `arrivals_s[a]` starts with the pad's 0 s; `positions_m` is (finer N + 1, A, 3). `faults` are
+    those of the trajectories themselves.
     """
 
     arrivals_s: tuple[Array, ...]
     length_m: tuple[float, ...]
     positions_m: Array
+    faults: tuple[Violation, ...] = ()
 
 
 def fly(plan: Plan, finer: int) -> Flown:
@@ -36,25 +42,37 @@ def fly(plan: Plan, finer: int) -> Flown:
 
     Unknown waypoint ids are flown past; check_routes reports them.
     """
-    model = time_model_named(plan.time_model)
+    if plan.trajectories and plan.time_model != CURVES:
+        raise PlanError(
+            f"plan: it holds trajectories, but its time_model is {plan.time_model!r}, which flies "
+            f"none. Write the plan anew with jfto plan."
+        )
+    curves = curves_of(plan) if plan.time_model == CURVES else None
+    model = None if curves else time_model_named(plan.time_model, plan.time_parameters)
     where = {waypoint.id: waypoint.position_m for waypoint in plan.waypoints}
     times = np.arange(finer * plan.slots.count + 1, dtype=np.float64) * (
         plan.slots.duration_s / finer
     )
-    arrivals, lengths, positions = [], [], []
-    for uav, route in zip(plan.uavs, plan.routes, strict=True):
+    lines, arrivals, lengths, positions = [], [], [], []
+    for a, (uav, route) in enumerate(zip(plan.uavs, plan.routes, strict=True)):
         limits = MotionLimits(uav.speed_mps, uav.climb_mps, uav.descent_mps)
         known = [where[number] for number in route.waypoint_ids if number in where]
         points = np.array([uav.start_m, *known], dtype=np.float64)
-        arrivals.append(model.arrivals(points, limits))
+        lines.append(points)
+        if curves:
+            arrivals.append(np.concatenate([[0.0], curves[a].waypoint_s[1:]]))
+            positions.append(curves[a].at(times))
+        elif model is not None:
+            arrivals.append(model.arrivals(points, limits))
+            positions.append(model.positions(points, limits, times))
         lengths.append(float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum()))
-        positions.append(model.positions(points, limits, times))
-    return Flown(tuple(arrivals), tuple(lengths), np.stack(positions, axis=1))
+    faults = tuple(check_curves(plan, curves, lines)) if curves else ()
+    return Flown(tuple(arrivals), tuple(lengths), np.stack(positions, axis=1), faults)
 
 
 def check_routes(plan: Plan, flown: Flown) -> list[Violation]:
     """Waypoints not visited exactly once, and records that contradict the routes."""
-    found = _check_visits(plan)
+    found = [*_check_visits(plan), *flown.faults]
     finer = (len(flown.positions_m) - 1) // plan.slots.count
     apart = np.linalg.norm(np.moveaxis(plan.positions_m, 0, 1) - flown.positions_m[::finer], axis=2)
     for a, (uav, route) in enumerate(zip(plan.uavs, plan.routes, strict=True)):

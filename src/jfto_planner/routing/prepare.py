@@ -29,6 +29,9 @@ def make_tables(problem: RoutingProblem) -> Tables:
     dist = np.round(np.sqrt((difference**2).sum(axis=-1)), DECIMALS)
     classes = sorted(set(problem.limits), key=lambda k: (k.speed_mps, k.climb_mps, k.descent_mps))
     leg = np.stack([problem.time_model.leg_matrix(points, limits) for limits in classes])
+    for layer, limits in zip(leg, classes, strict=True):
+        # What a route takes beyond its legs is spent on the first of them, which leaves a pad.
+        layer[problem.waypoint_count :] += problem.time_model.overhead_s(limits)
     latest = problem.latest_arrival_s
     slots, slot_s = _grid(problem)
     speed = np.array([max(k.speed_mps, k.climb_mps, k.descent_mps) for k in problem.limits]) * 1.5

@@ -1,6 +1,7 @@
 """Routes to trajectories: quintic Bezier segments of least total time. See docs/trajectories.md."""
 
 from jfto_planner.smoothing.bounds import rest_to_rest_s, straight_line_s
+from jfto_planner.smoothing.fleet import CurveRules, kept_apart, smooth_fleet
 from jfto_planner.smoothing.hull import limit_ratios
 from jfto_planner.smoothing.limits import CurveLimits, photo_speed_mps
 from jfto_planner.smoothing.separation import (
@@ -23,6 +24,7 @@ __all__ = [
     "Approach",
     "Clearance",
     "CurveLimits",
+    "CurveRules",
     "Motion",
     "RouteRequest",
     "SeparationSettings",
@@ -30,12 +32,14 @@ __all__ = [
     "SmoothingSettings",
     "Trajectory",
     "closest_approach",
+    "kept_apart",
     "least_clearance_m",
     "limit_ratios",
     "photo_speed_mps",
     "rest_to_rest_s",
     "separate",
     "smooth_above",
+    "smooth_fleet",
     "smooth_route",
     "smooth_routes",
     "straight_line_s",

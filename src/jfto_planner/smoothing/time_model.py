@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from jfto_planner.smoothing.bounds import rest_to_rest_s
 from jfto_planner.smoothing.limits import CurveLimits
 from jfto_planner.smoothing.smooth import RouteRequest, SmoothingSettings, smooth_route
 from jfto_planner.smoothing.trajectory import Trajectory
@@ -24,12 +25,14 @@ class SmoothFlight:
     """`TimeModel` of guided streaming: the vehicle is on its trajectory at all times.
 
     The three speeds come from each vehicle's limits; `others` holds the rest of `CurveLimits`.
-    `cap_mps` bounds the speed at every waypoint, `hold_s` > 0 stops there.
+    `cap_mps` bounds the speed at every waypoint, `hold_s` > 0 stops there. `climb_m` counts in the
+    estimate only: the vertical climb that clearance above ground will put at the start.
     """
 
     others: tuple[tuple[str, float], ...] = ()
     cap_mps: float = np.inf
     hold_s: float = 0.0
+    climb_m: float = 0.0
     settings: SmoothingSettings = field(default_factory=SmoothingSettings)
 
     name = "bezier"
@@ -54,6 +57,13 @@ class SmoothFlight:
             share = _SHORT_SHARE + (_LONG_SHARE - _SHORT_SHARE) * room
             time = straight + share * (stopped - straight)
         return np.where(size > 0, time, 0.0)
+
+    def overhead_s(self, limits: MotionLimits) -> float:
+        """Time of a route beyond the sum of its `leg_matrix` entries: the climb from the pad, s."""
+        if self.climb_m == 0:
+            return 0.0
+        curve = self.curve_limits(limits)
+        return rest_to_rest_s(self.climb_m, curve.climb_mps, curve.accel_z_mps2, curve.jerk_mps3)
 
     def arrivals(self, route_m: Array, limits: MotionLimits) -> Array:
         """Time at which each point is passed (hold included), shape (M,), the first being 0."""

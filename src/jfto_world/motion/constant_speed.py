@@ -17,6 +17,10 @@ class ConstantSpeed:
         """Time of the direct leg between each ordered pair of points, shape (M, M)."""
         return _leg_time(points_m[None, :, :] - points_m[:, None, :], limits)
 
+    def overhead_s(self, limits: MotionLimits) -> float:  # noqa: ARG002  one for all models
+        """Return 0: legs are all there is."""
+        return 0.0
+
     def arrivals(self, route_m: Array, limits: MotionLimits) -> Array:
         """Arrival time at each point of a route, shape (M,), the first being 0."""
         return np.concatenate([[0.0], np.cumsum(_leg_time(np.diff(route_m, axis=0), limits))])

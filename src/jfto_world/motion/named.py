@@ -1,16 +1,30 @@
-"""Time models by the name that a plan carries."""
+"""Time models by the name and parameters that a plan carries."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
 
 from jfto_msgs_py.errors import InputError
 from jfto_world.motion.constant_speed import ConstantSpeed
 from jfto_world.motion.time_model import TimeModel
 
-_MODELS = {"constant_speed": ConstantSpeed}
+NAMES = ("arducopter", "constant_speed")
 
 
-def time_model_named(name: str) -> TimeModel:
-    """Return the time model of a name; raises InputError that lists the known names."""
-    if name not in _MODELS:
-        raise InputError(f"time_model is {name!r}, must be one of {', '.join(sorted(_MODELS))}.")
-    return _MODELS[name]()
+def time_model_named(name: str, parameters: Mapping[str, float] | None = None) -> TimeModel:
+    """Return the time model of a name; raises InputError that lists the known names.
+
+    `parameters` are those that the model gave as its `parameters()`, less any that have their
+    defaults.
+    """
+    given = dict(parameters or {})
+    if name == "constant_speed":
+        if given:
+            raise InputError(f"time_parameters has {sorted(given)[0]}, constant_speed takes none.")
+        return ConstantSpeed()
+    if name == "arducopter":
+        # Loaded here: its compiler takes a second, which constant speed need not pay.
+        from jfto_world.motion.arducopter import ArduCopter
+
+        return ArduCopter.of_parameters(given)
+    raise InputError(f"time_model is {name!r}, must be one of {', '.join(NAMES)}.")

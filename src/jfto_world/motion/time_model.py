@@ -24,6 +24,9 @@ class TimeModel(Protocol):
         An estimate that ignores what comes before and after a leg: searches use it.
         """
 
+    def overhead_s(self, limits: MotionLimits) -> float:
+        """Time of a whole route beyond the sum of its `leg_matrix` entries, s."""
+
     def arrivals(self, route_m: Array, limits: MotionLimits) -> Array:
         """Arrival time at each point of a route, shape (M,), the first being 0."""
 

@@ -102,7 +102,7 @@ def _aim(points: Array, legs: Array, elapsed: Array, leg: int, target: Array) ->
             target[2, axis] += a * legs[k, axis]
 
 
-@njit
+@njit(nogil=True)
 def _fly(
     points: Array,
     legs: Array,

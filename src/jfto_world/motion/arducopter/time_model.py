@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
 from functools import lru_cache
 
 import numpy as np
@@ -20,6 +21,9 @@ Array = NDArray[np.float64]
 
 # mean time that the vehicle's lag adds to a leg of 30 to 300 m, in closed loop at 5 to 10 m/s
 _LAG_FLY_S, _LAG_STOP_S = 0.2, 0.45
+_OWN = ("hold_s", "takeoff_m")
+_WPNAV = tuple(entry.name for entry in fields(WpNav) if "speed" not in entry.name)
+_AIRFRAME = tuple(entry.name for entry in fields(Airframe))
 
 
 @dataclass(frozen=True)
@@ -49,6 +53,34 @@ class ArduCopter:
                 raise InputError(f"{entry} is {getattr(self, entry)}, must not be negative.")
         if not 0 < self.step_s <= 0.05:
             raise InputError(f"step_s is {self.step_s}, must be above 0 and at most 0.05.")
+
+    @classmethod
+    def of_parameters(cls, parameters: Mapping[str, float]) -> ArduCopter:
+        """The model in calm air that has these `parameters()`; raises InputError."""
+        parts: dict[str, dict[str, float]] = {"wpnav": {}, "airframe": {}, "own": {}}
+        places = {
+            **dict.fromkeys(_WPNAV, "wpnav"),
+            **dict.fromkeys(_AIRFRAME, "airframe"),
+            **dict.fromkeys(_OWN, "own"),
+        }
+        for name, value in parameters.items():
+            if name not in places:
+                raise InputError(
+                    f"time_parameters has an unknown key {name}. Known are {', '.join(places)}."
+                )
+            parts[places[name]][name] = float(value)
+        return cls(
+            WpNav(**parts["wpnav"]),
+            Airframe(**parts["airframe"]),
+            hold_s=parts["own"].get("hold_s", 0.0),
+            takeoff_m=parts["own"].get("takeoff_m", 0.0),
+        )
+
+    def parameters(self) -> dict[str, float]:
+        """Everything that decides times in calm air, apart from the three speeds."""
+        own: dict[str, float] = {name: getattr(self, name) for name in _OWN}
+        own |= {name: getattr(self.wpnav, name) for name in _WPNAV}
+        return own | {name: getattr(self.airframe, name) for name in _AIRFRAME}
 
     def leg_matrix(self, points_m: Array, limits: MotionLimits) -> Array:
         """Estimated time of the leg between each ordered pair of points, shape (M, M).

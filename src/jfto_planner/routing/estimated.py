@@ -1,0 +1,67 @@
+"""Time models reduced to what a search can afford, and corrected by what they got wrong."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jfto_world.motion import MotionLimits, TimeModel
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Calibrated:
+    """A time model whose leg estimates are multiplied by `factor`; exact times are its own."""
+
+    model: TimeModel
+    factor: float = 1.0
+
+    def leg_matrix(self, points_m: Array, limits: MotionLimits) -> Array:
+        """Time of the direct leg between each ordered pair of points, shape (M, M)."""
+        return self.factor * self.model.leg_matrix(points_m, limits)
+
+    def overhead_s(self, limits: MotionLimits) -> float:
+        """Time of a whole route beyond the sum of its legs, s."""
+        return self.factor * self.model.overhead_s(limits)
+
+    def arrivals(self, route_m: Array, limits: MotionLimits) -> Array:
+        """Arrival time at each point of a route, shape (M,), the first being 0."""
+        return self.model.arrivals(route_m, limits)
+
+    def positions(self, route_m: Array, limits: MotionLimits, times_s: Array) -> Array:
+        """Positions at the given times, shape (T, 3)."""
+        return self.model.positions(route_m, limits, times_s)
+
+
+@dataclass(frozen=True)
+class Estimated:
+    """`TimeModel` that adds up the leg estimates of another one.
+
+    Straight between points, at constant speed along each leg: for searches where the exact model
+    takes too long to be asked often.
+    """
+
+    model: TimeModel
+
+    def leg_matrix(self, points_m: Array, limits: MotionLimits) -> Array:
+        """Time of the direct leg between each ordered pair of points, shape (M, M)."""
+        return self.model.leg_matrix(points_m, limits)
+
+    def overhead_s(self, limits: MotionLimits) -> float:
+        """Time of a whole route beyond the sum of its legs, s."""
+        return self.model.overhead_s(limits)
+
+    def arrivals(self, route_m: Array, limits: MotionLimits) -> Array:
+        """Arrival time at each point of a route, shape (M,), the first being 0."""
+        if len(route_m) < 2:
+            return np.zeros(len(route_m))
+        legs = np.diagonal(self.leg_matrix(route_m, limits), offset=1)
+        return np.concatenate([[0.0], self.overhead_s(limits) + np.cumsum(legs)])
+
+    def positions(self, route_m: Array, limits: MotionLimits, times_s: Array) -> Array:
+        """Positions at the given times, shape (T, 3); holds at the last point."""
+        arrivals = self.arrivals(route_m, limits)
+        return np.stack([np.interp(times_s, arrivals, route_m[:, k]) for k in range(3)], axis=-1)

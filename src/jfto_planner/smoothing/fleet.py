@@ -1,0 +1,75 @@
+"""A whole fleet's routes to trajectories: smooth, above the ground, apart from one another."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jfto_msgs_py.errors import InfeasibleError
+from jfto_planner.smoothing.limits import CurveLimits
+from jfto_planner.smoothing.separation import NeighbourCheck, separate
+from jfto_planner.smoothing.smooth import RouteRequest, SmoothingSettings, smooth_route
+from jfto_planner.smoothing.terrain import Clearance, GroundHeight, smooth_above
+from jfto_planner.smoothing.trajectory import Trajectory
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class CurveRules:
+    """What curves must keep to besides each vehicle's limits.
+
+    `hold_s` > 0 stops at every waypoint, `cap_mps` bounds the speed there.
+    """
+
+    clearance: Clearance
+    hold_s: float = 0.0
+    cap_mps: float = np.inf
+    settings: SmoothingSettings = field(default_factory=SmoothingSettings)
+
+
+def smooth_fleet(
+    names: tuple[str, ...],
+    lines_m: tuple[Array, ...],
+    limits: tuple[CurveLimits, ...],
+    ground_height: GroundHeight,
+    rules: CurveRules,
+    workers: int = 2,
+) -> tuple[Trajectory, ...]:
+    """Trajectories of routes (M, 3) above the ground; they do not depend on `workers`.
+
+    Raises InfeasibleError that names the vehicle whose route cannot be flown within the rules.
+    """
+
+    def one(index: int) -> Trajectory:
+        line = lines_m[index]
+        if len(line) == 1:
+            return smooth_route(RouteRequest(line, limits[index]))
+        hold = np.full(len(line), rules.hold_s)
+        hold[0] = 0.0
+        request = RouteRequest(
+            line, limits[index], hold_s=hold, cap_mps=np.full(len(line), rules.cap_mps)
+        )
+        try:
+            return smooth_above(request, ground_height, rules.clearance, rules.settings)
+        except InfeasibleError as error:
+            raise InfeasibleError(f"{names[index]}: {error}", cures=error.cures) from None
+
+    with ThreadPoolExecutor(max_workers=max(1, workers)) as pool:
+        return tuple(pool.map(one, range(len(lines_m))))
+
+
+def kept_apart(
+    trajectories: tuple[Trajectory, ...], d_min_m: float, neighbours_kept: NeighbourCheck
+) -> tuple[Trajectory, ...]:
+    """The fleet with start delays and slower flight that keep it apart, where there are any.
+
+    Where there are none it is left as it is, for the certificate to say so.
+    """
+    try:
+        return separate(trajectories, d_min_m, neighbours_kept=neighbours_kept)
+    except InfeasibleError:
+        return trajectories
