@@ -105,5 +105,8 @@ def _conclude(
     write_comparison(plan, comparison, evaluation.paper_scene, directory)
     draw_figures(plan, comparison, dem, evaluation.slot_shown, directory / FIGURES, watcher)
     title = f"{len(plan.uavs)} UAVs over {len(plan.waypoints)} waypoints"
-    report = write_report(directory, title, plan, comparison, dem, evaluation.paper_scene, watcher)
+    wind_mps = loaded.scenario.trajectory.wind_mps
+    report = write_report(
+        directory, title, plan, comparison, dem, evaluation.paper_scene, wind_mps, watcher
+    )
     return comparison, report

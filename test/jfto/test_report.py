@@ -56,7 +56,7 @@ def test_the_report_says_what_a_reader_asks_first(tiny_run: tuple[Path, Run]) ->
     page = _page(tiny_run)
     assert "Verified" in page
     assert "In brackets: the paper's figures" in page
-    assert len(re.findall(r'<img alt="[^"]+" src="data:image/png;base64,', page)) == 4
+    assert len(re.findall(r'<img alt="[^"]+" src="data:image/png;base64,', page)) == 5
     assert f"Seed {run.plan.seed}." in page
     assert run.plan.scenario_hash[:16] in page
     assert "ros__parameters" in page

@@ -11,24 +11,41 @@ from importlib import resources
 from typing import Any
 
 from jfto.comparison import Comparison
+from jfto.flight_spread import Spread, spread_text
 from jfto.report.scene import scene_data
-from jfto.report.tables import certificate_table, comparison_table, fleet_table, number
+from jfto.report.tables import (
+    certificate_table,
+    comparison_table,
+    fleet_table,
+    number,
+    spread_table,
+)
 from jfto_msgs_py.plan import Plan
 from jfto_world.terrain import Dem
 
 # Figures in the order of the page: file stem and caption.
 FIGURE_CAPTIONS = {
     "routes": "Routes over the shaded relief. Squares are pads, arrows show the direction.",
+    "flight": "Flight of each UAV as timed in the plan. Ticks mark waypoints.",
     "topology": "Links of one slot under the four algorithms.",
     "throughput": "Network throughput of every slot.",
     "degree_energy": "Neighbours over the mission, and energy for transmission per UAV.",
+}
+
+# How a plan is flown, by its time model.
+FLIGHTS = {
+    "constant_speed": "Straight legs at constant speed, without turns or take-off: for comparison "
+    "with published results, not for flights.",
+    "arducopter": "Waypoint missions, timed as ArduCopter flies them in calm air.",
+    "bezier": "Bezier trajectories, streamed by the clock: slots are absolute.",
 }
 
 
 @dataclass(frozen=True)
 class ReportContent:
     """What a report shows. `figures` maps file stems to PNG bytes, `coverage` is the coverage
-    certificate's figures or None, `versions` maps names of software to versions.
+    certificate's figures or None, `versions` maps names of software to versions, `spread` is that
+    of arrivals in a wind of `wind_mps`.
     """
 
     title: str
@@ -40,6 +57,8 @@ class ReportContent:
     coverage: Mapping[str, Any] | None
     configuration: str
     versions: Mapping[str, str]
+    spread: tuple[Spread, ...] = ()
+    wind_mps: float = 0.0
 
 
 def report_page(content: ReportContent) -> str:
@@ -56,6 +75,7 @@ def report_page(content: ReportContent) -> str:
         _notes(content),
         "<h2>Figures</h2>" + "".join(_figure(content, stem) for stem in FIGURE_CAPTIONS),
         "<h2>Certificate</h2>" + certificate_table(content.plan) + _violations(content.plan),
+        _timing_section(content),
         _coverage_section(content),
         "<h2>Fleet</h2>" + fleet_table(content.plan, content.comparison),
         _configuration(content),
@@ -150,6 +170,13 @@ def _violations(plan: Plan) -> str:
     more = len(plan.certificate.violations) - len(shown)
     rest = f"<p>and {more} more, listed in the plan file.</p>" if more else ""
     return f"<h3>Violations</h3><ul>{items}</ul>{rest}"
+
+
+def _timing_section(content: ReportContent) -> str:
+    flight = FLIGHTS.get(content.plan.time_model, content.plan.time_model)
+    text = spread_text(content.spread, content.wind_mps)
+    table = spread_table(content.spread, content.wind_mps) if content.spread else ""
+    return f"<h2>Timing</h2><p>{escape(flight)} {escape(text)}</p>{table}"
 
 
 def _coverage_section(content: ReportContent) -> str:

@@ -10,11 +10,14 @@ from numpy.typing import NDArray
 from jfto.comparison import AlgorithmResult, Comparison
 from jfto.figures.relief import drawn_extent, sampled_ground
 from jfto.figures.style import uav_colour
+from jfto.flown import flown
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.units import dbm_to_w, ratio_to_db
 from jfto_world.terrain import Dem
 
 _GROUND_POINTS = 90
+# Of a flight's samples so few are drawn, one per second.
+_PATH_STEPS = 20
 
 
 def scene_data(plan: Plan, comparison: Comparison, dem: Dem) -> dict[str, Any]:
@@ -32,10 +35,13 @@ def scene_data(plan: Plan, comparison: Comparison, dem: Dem) -> dict[str, Any]:
                 "route": _short(
                     np.array([uav.start_m, *(by_id[number] for number in route.waypoint_ids)])
                 ),
+                "path": _short(flight.position_m[::_PATH_STEPS]),
                 "waypoints": list(route.waypoint_ids),
                 "arrival": _short(np.array(route.arrival_s)),
             }
-            for index, (uav, route) in enumerate(zip(plan.uavs, plan.routes, strict=True))
+            for index, (uav, route, flight) in enumerate(
+                zip(plan.uavs, plan.routes, flown(plan), strict=True)
+            )
         ],
         "positions": _short(np.moveaxis(plan.positions_m, 0, 1)),
         "links": {

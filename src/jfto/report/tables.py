@@ -11,6 +11,7 @@ import numpy as np
 from jfto.comparison import OURS, Comparison
 from jfto.export import active_text, paper_ratios, throughput_ratios
 from jfto.figures.style import uav_colour
+from jfto.flight_spread import Spread
 from jfto.paper import PAPER
 from jfto_msgs_py.plan import Plan
 
@@ -132,6 +133,26 @@ def certificate_table(plan: Plan) -> str:
         name = escape(plan.uavs[tightest].id)
         rows.append(["Least energy that the topology costs, tightest UAV", f"{spent} ({name})"])
     return html_table(["Check", "Result"], rows)
+
+
+def spread_table(spread: Sequence[Spread], wind_mps: float) -> str:
+    """Arrivals without gates, less the planned ones, one row per UAV."""
+    rows = [
+        [
+            escape(one.uav),
+            f"{one.end_s:.1f}",
+            " to ".join(f"{value:+.1f}" for value in one.planner_s),
+            " to ".join(f"{value:+.1f}" for value in one.wind_s),
+        ]
+        for one in spread
+    ]
+    header = [
+        "UAV",
+        "Last waypoint (s)",
+        "Planner without the vehicle's lag (s)",
+        f"Wind of {wind_mps:g} m/s from four quarters (s)",
+    ]
+    return html_table(header, rows)
 
 
 def _swatch(index: int) -> str:

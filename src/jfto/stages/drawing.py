@@ -6,6 +6,7 @@ from pathlib import Path
 
 from jfto.comparison import Comparison
 from jfto.figures.degree_energy import degree_and_energy
+from jfto.figures.flight_profiles import flight_profiles
 from jfto.figures.route_map import route_map
 from jfto.figures.style import save
 from jfto.figures.throughput import throughput_over_slots
@@ -28,6 +29,7 @@ def draw_figures(
     }
     if dem is not None:
         drawings["routes"] = lambda: route_map(plan, dem)
+        drawings["flight"] = lambda: flight_profiles(plan, dem)
         drawings["topology"] = lambda: topology_panels(plan, comparison, dem, slot)
     for done, (stem, draw) in enumerate(drawings.items()):
         save(draw(), folder / stem)

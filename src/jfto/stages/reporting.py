@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from jfto.comparison import Comparison
+from jfto.flight_spread import flight_spread
 from jfto.progress import Watcher
 from jfto.report import ReportContent, report_page
 from jfto.run_directory import COVERAGE_NAME, FIGURES, REPORT_NAME, SCENARIO_NAME
@@ -28,6 +29,7 @@ def write_report(
     comparison: Comparison,
     dem: Dem,
     scene: str,
+    wind_mps: float,
     watcher: Watcher,
 ) -> Path:
     """Write report.html from a run's results and the figures that lie in its directory."""
@@ -44,6 +46,8 @@ def write_report(
         coverage=_coverage(directory / COVERAGE_NAME),
         configuration=read_text(directory / SCENARIO_NAME, InputError, "scenario", _SIZE_LIMIT),
         versions=versions(),
+        spread=flight_spread(plan, wind_mps),
+        wind_mps=wind_mps,
     )
     path = directory / REPORT_NAME
     write_file(path, report_page(content))

@@ -77,13 +77,15 @@ def plan_routes(
     flight = flight_of(scenario)
     problem = routing_problem(scenario, found)
     warm = None if warm_start is None else _warm_routes(warm_start, found, problem)
-    problem = _calibrated(scenario, found, problem, flight, warm)
+    watcher.begin("routes", "comparing leg times with flights")
+    problem, stopped, warm = _calibrated(scenario, found, problem, flight, warm)
     best: Planned | None = None
+    share = scenario.search.moves if stopped else 1
     for round_ in range(ROUNDS):
         watcher.begin("routes", "searching" if round_ == 0 else f"searching, round {round_ + 1}")
         result = search(
             problem,
-            _settings(scenario, 1 if round_ == 0 else LATER_SHARE),
+            _settings(scenario, share if round_ == 0 else LATER_SHARE),
             seed=scenario.search.seed,
             warm_start=warm,
             progress=watcher.advance,
@@ -91,13 +93,12 @@ def plan_routes(
         watcher.begin("routes", "checking with independent code")
         plan = _as_flown(scenario, found, problem, flight, result.routes)
         plan = replace(plan, certificate=certify_plan(plan))
-        planned = Planned(
-            plan, result.stopped_by == "user", float(expected_s(problem, result.routes).max())
-        )
+        stopped |= result.stopped_by == "user"
+        planned = Planned(plan, stopped, float(expected_s(problem, result.routes).max()))
         if best is None or planned.faults < best.faults:
             best = planned
         # Where the search judges by the very times that the plan has, more rounds change nothing.
-        if is_clean(plan) or flight.exact or not result.feasible or result.stopped_by:
+        if is_clean(plan) or flight.exact or not result.feasible or stopped:
             break
         problem, warm = tightened(problem, plan), result.routes
     assert best is not None
@@ -112,16 +113,24 @@ def _calibrated(
     problem: RoutingProblem,
     flight: Flight,
     warm: Routes | None,
-) -> RoutingProblem:
-    """The problem with leg estimates that are right on average over routes of a short search."""
+) -> tuple[RoutingProblem, bool, Routes | None]:
+    """The problem with leg estimates that are right on average over routes of a short search.
+
+    Also whether the user stopped it, and the routes to start from.
+    """
     if not flight.estimated:
-        return problem
+        return problem, False, warm
     rough = replace(problem, time_model=Estimated(problem.time_model))
     settings = _settings(scenario, CALIBRATION_SHARE)
-    routes = search(rough, settings, seed=scenario.search.seed, warm_start=warm).routes
-    plan = _as_flown(scenario, found, problem, flight, routes)
-    factor = float(ends_s(plan).sum() / expected_s(rough, routes).sum())
-    return replace(problem, time_model=flight.model(factor))
+    result = search(rough, settings, seed=scenario.search.seed, warm_start=warm)
+    plan = _as_flown(scenario, found, problem, flight, result.routes)
+    factor = float(ends_s(plan).sum() / expected_s(rough, result.routes).sum())
+    stopped = result.stopped_by == "user"
+    return (
+        replace(problem, time_model=flight.model(factor)),
+        stopped,
+        result.routes if stopped else warm,
+    )
 
 
 def _as_flown(
@@ -229,7 +238,7 @@ def _settings(scenario: Scenario, share: int = 1) -> SearchSettings:
     return SearchSettings(
         moves=max(1, wanted.moves // share),
         starts=wanted.starts,
-        time_limit_s=wanted.time_limit_s or None,
+        time_limit_s=wanted.time_limit_s / share if wanted.time_limit_s else None,
         workers=wanted.workers or None,
     )
 

@@ -22,9 +22,13 @@
     hovertemplate: "ground %{z:.0f} m<extra></extra>", name: "ground",
   }];
   SCENE.uavs.forEach((uav) => traces.push({
-    type: "scatter3d", mode: "lines+markers", name: uav.id + " route",
+    type: "scatter3d", mode: "lines", name: uav.id + " flight",
+    x: uav.path.map((p) => p[0]), y: uav.path.map((p) => p[1]), z: uav.path.map((p) => p[2]),
+    line: { color: uav.color, width: 3 }, opacity: 0.75, legendgroup: uav.id, showlegend: false, hoverinfo: "skip",
+  }, {
+    type: "scatter3d", mode: "markers", name: uav.id + " route",
     x: uav.route.map((p) => p[0]), y: uav.route.map((p) => p[1]), z: uav.route.map((p) => p[2]),
-    line: { color: uav.color, width: 3 }, marker: { color: uav.color, size: 2.2 }, opacity: 0.75,
+    marker: { color: uav.color, size: 2.2 }, opacity: 0.75,
     legendgroup: uav.id, showlegend: false, hovertemplate: uav.id + "<br>%{text}<extra></extra>",
     text: uav.route.map((p, i) => (i ? "waypoint " + uav.waypoints[i - 1] + ", " + uav.arrival[i - 1].toFixed(0) + " s" : "pad")),
   }));
