@@ -57,14 +57,19 @@ def _one(plan: Plan, index: int, uav: Uav) -> Flown:
     line = np.array([uav.start_m, *(where[number] for number in route.waypoint_ids)])
     limits = MotionLimits(uav.speed_mps, uav.climb_mps, uav.descent_mps)
     model = time_model_named(plan.time_model, plan.time_parameters)
-    position = model.positions(line, limits, times)
+    # At rest before and after, so that the window has something to look at there.
+    rest = np.arange(1, _WINDOW + 1) * STEP_S
+    longer = np.concatenate([-rest[::-1], times, times[-1] + rest])
+    position = model.positions(line, limits, longer)
+    kept = slice(_WINDOW, -_WINDOW)
     if plan.time_model == "constant_speed":
-        return Flown(times, position, _size(np.gradient(position, STEP_S, axis=0)), None, None)
+        speed = _size(np.gradient(position, STEP_S, axis=0))
+        return Flown(times, position[kept], speed[kept], None, None)
     velocity, acceleration, jerk = (
-        savgol_filter(position, _WINDOW, 4, deriv=order, delta=STEP_S, axis=0, mode="nearest")
+        savgol_filter(position, _WINDOW, 4, deriv=order, delta=STEP_S, axis=0)[kept]
         for order in (1, 2, 3)
     )
-    return Flown(times, position, _size(velocity), _size(acceleration), _size(jerk))
+    return Flown(times, position[kept], _size(velocity), _size(acceleration), _size(jerk))
 
 
 def _size(vectors: Array) -> Array:

@@ -15,6 +15,8 @@ from jfto_world.terrain import Dem
 
 Array = NDArray[np.float64]
 _ROW_IN = 0.78
+# Share of all values that an axis shows.
+_SHOWN = 0.998
 
 
 @styled
@@ -28,6 +30,7 @@ def flight_profiles(plan: Plan, dem: Dem) -> Figure:
         ("Height over terrain (m)", lambda flight: _height(flight, dem)),
     ]
     columns = [column for column in columns if column[1](flights[0]) is not None]
+    tops = {title: _top([pick(flight) for flight in flights]) for title, pick in columns}
     rows = len(flights)
     figure = new_figure(PAGE_WIDTH_IN, _ROW_IN * rows + 0.5)
     grid = figure.subplots(rows, len(columns), sharex=True, sharey="col", squeeze=False)
@@ -40,7 +43,7 @@ def flight_profiles(plan: Plan, dem: Dem) -> Figure:
             axes.fill_between(
                 flight.times_s, values, color=uav_colour(row), alpha=0.15, linewidth=0
             )
-            axes.set_ylim(bottom=0)
+            axes.set_ylim(0, tops[title])
             axes.set_xlim(0, last_s)
             axes.grid(axis="y", linewidth=0.4, color="#dddddd")
             axes.plot(
@@ -58,6 +61,12 @@ def flight_profiles(plan: Plan, dem: Dem) -> Figure:
                 axes.set_xlabel("Time (s)")
         grid[row][0].set_ylabel(uav.id, rotation=0, ha="right", va="center", weight="bold")
     return figure
+
+
+def _top(values: list[Array | None]) -> float:
+    """Top of an axis: a take-off begins with a jolt in the model, which would dwarf the rest."""
+    together = np.concatenate([value for value in values if value is not None])
+    return max(1.15 * float(np.quantile(together, _SHOWN)), 1e-3)
 
 
 def _height(flight: Flown, dem: Dem) -> Array:
