@@ -10,6 +10,9 @@ from jfto.pipeline import Run, run_all
 from jfto.progress import SilentWatcher
 from jfto.run_directory import make_run_directory
 from jfto.scenario_file import load_scenario
+from jfto.stages.routes import plan_routes
+from jfto.stages.survey import Survey, survey
+from jfto_msgs_py.plan import Plan
 
 TINY = Path(__file__).parents[1] / "data" / "scenario" / "tiny.yaml"
 
@@ -25,3 +28,16 @@ def tiny_run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Run]:
     """Directory and outcome of a full run of the tiny scene."""
     directory = make_run_directory(tmp_path_factory.mktemp("run") / "tiny")
     return directory, run_all(load_scenario(TINY), directory, SilentWatcher())
+
+
+@pytest.fixture(scope="session")
+def tiny_survey() -> Survey:
+    """Terrain and waypoints of the tiny scene."""
+    return survey(load_scenario(TINY), SilentWatcher())
+
+
+@pytest.fixture(scope="session")
+def tiny_guided(tiny_survey: Survey) -> Plan:
+    """Plan of the tiny scene for guided flight."""
+    scenario = load_scenario(TINY, ["trajectory.mode=guided"]).scenario
+    return plan_routes(scenario, tiny_survey, SilentWatcher()).plan

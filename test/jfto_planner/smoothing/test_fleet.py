@@ -1,0 +1,54 @@
+"""Smoothing a whole fleet."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from jfto_msgs_py.errors import InfeasibleError
+from jfto_planner.smoothing import (
+    Clearance,
+    CurveLimits,
+    CurveRules,
+    closest_approach,
+    kept_apart,
+    least_clearance_m,
+    smooth_fleet,
+)
+
+_LIMITS = CurveLimits(8.0, 4.0, 3.0)
+_LINES = (
+    np.array([[0.0, 0, 0], [0, 0, 60], [150, 20, 60], [150, 150, 70]]),
+    np.array([[20.0, 0, 0]]),
+)
+
+
+def _flat(x_m, y_m):
+    return np.zeros(np.broadcast(x_m, y_m).shape)
+
+
+def test_everybody_keeps_clear_of_the_ground_and_whoever_has_no_route_stays() -> None:
+    """Curves stay above the clearance away from the pads; a route of one point is a pad."""
+    flown = smooth_fleet(("a", "b"), _LINES, (_LIMITS,) * 2, _flat, CurveRules(Clearance(20.0)))
+    away = flown[0].positions(np.linspace(20.0, flown[0].end_s, 200))
+    assert least_clearance_m(flown[0], _flat) == pytest.approx(0.0)
+    assert away[:, 2].min() > 20.0
+    assert np.array_equal(flown[1].positions(np.array([0.0, 30.0])), _LINES[1][[0, 0]])
+
+
+def test_the_vehicle_that_cannot_fly_its_route_is_named() -> None:
+    """A waypoint below the clearance stops the planning with the vehicle's name."""
+    lines = (_LINES[1], np.array([[0.0, 0, 0], [50, 0, 5], [90, 0, 60]]))
+    with pytest.raises(InfeasibleError, match=r"^b: Point"):
+        smooth_fleet(("a", "b"), lines, (_LIMITS,) * 2, _flat, CurveRules(Clearance(20.0)))
+
+
+def test_a_fleet_that_cannot_be_kept_apart_is_left_for_the_certificate() -> None:
+    """Two pads closer than d_min cannot be helped by any delay; nothing is changed or raised."""
+    lines = (_LINES[0], _LINES[0] + np.array([3.0, 0, 0]))
+    flown = smooth_fleet(("a", "b"), lines, (_LIMITS,) * 2, _flat, CurveRules(Clearance(20.0)))
+    same = kept_apart(flown, 10.0, lambda _positions: True)
+    approach = closest_approach(same)
+    assert same == flown
+    assert approach is not None
+    assert approach.distance_m < 10.0
