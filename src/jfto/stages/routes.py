@@ -73,8 +73,10 @@ def plan_routes(
     PlanError where `warm_start` is for other waypoints or another fleet.
     """
     watcher.begin("routes", "choosing starting points")
-    found = replace(found, waypoints=tuple(map(rounded_waypoint, found.waypoints)))
     flight = flight_of(scenario)
+    if flight.estimated:
+        # A flight in steps may come out a step later for a point a nanometre off.
+        found = replace(found, waypoints=tuple(map(rounded_waypoint, found.waypoints)))
     problem = routing_problem(scenario, found)
     warm = None if warm_start is None else _warm_routes(warm_start, found, problem)
     watcher.begin("routes", "comparing leg times with flights")
@@ -191,16 +193,19 @@ def routing_problem(scenario: Scenario, found: Survey) -> RoutingProblem:
         dbm_to_w(np.array(fleet.p_max_dbm)), float(dbm_to_w(radio.sensitivity_dbm))
     )
     waypoints = np.array([waypoint.position_m for waypoint in found.waypoints])
-    pads = np.array([rounded_record(pad) for pad in _pads(scenario, found, waypoints, reach)])
+    flight = flight_of(scenario)
+    pads = _pads(scenario, found, waypoints, reach)
+    if flight.estimated:
+        pads = np.array(rounded_record(pads))
     check_starts(pads, reach, network.k_min, mission.d_min_m, fleet.ids)
     return RoutingProblem(
         waypoints_m=waypoints,
         starts_m=pads,
         limits=tuple(
-            MotionLimits(*speeds)
-            for speeds in zip(fleet.speed_mps, fleet.climb_mps, fleet.descent_mps, strict=True)
+            MotionLimits(uav.speed_mps, uav.climb_mps, uav.descent_mps)
+            for uav in plan_uavs(scenario, pads)
         ),
-        time_model=flight_of(scenario).model(1.0),
+        time_model=flight.model(1.0),
         t_max_s=np.array(fleet.t_max_s),
         reach_m=reach,
         k_min=network.k_min,
@@ -269,9 +274,10 @@ def plan_uavs(scenario: Scenario, pads_m: Array) -> tuple[Uav, ...]:
             p_max_dbm=fleet.p_max_dbm[uav],
             energy_j=fleet.energy_j[uav],
             t_max_s=fleet.t_max_s[uav],
-            speed_mps=fleet.speed_mps[uav],
-            climb_mps=fleet.climb_mps[uav],
-            descent_mps=fleet.descent_mps[uav],
+            # As in the plan file, since times follow from them.
+            speed_mps=rounded_record(fleet.speed_mps[uav]),
+            climb_mps=rounded_record(fleet.climb_mps[uav]),
+            descent_mps=rounded_record(fleet.descent_mps[uav]),
             start_m=_vector(pads_m[uav]),
         )
         for uav in range(fleet.count)
