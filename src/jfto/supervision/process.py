@@ -57,13 +57,18 @@ class Process:
         return time.monotonic() - self.started_s
 
     def stop(self, patience_s: float) -> int:
-        """End it by SIGINT, after `patience_s` by SIGKILL; returns its exit status."""
-        self._process.send_signal(signal.SIGINT)
-        try:
-            return self._process.wait(patience_s)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-            return self._process.wait()
+        """End it by SIGINT, then SIGTERM, then SIGKILL, `patience_s` apart; its exit status.
+
+        A shell that starts a program in the background has it and its children ignore SIGINT.
+        """
+        for number in (signal.SIGINT, signal.SIGTERM):
+            self._process.send_signal(number)
+            try:
+                return self._process.wait(patience_s)
+            except subprocess.TimeoutExpired:
+                continue
+        self._process.kill()
+        return self._process.wait()
 
     def _watch(self) -> None:
         self._ended(self._process.wait())

@@ -103,3 +103,15 @@ def test_an_unclean_end_is_reported(tmp_path, code) -> None:
     with _Running(tmp_path, _node("node", stubborn)) as running:
         running.until(lambda: "up" in running.log("node"))
     assert running.outcome.unclean == {"node": "ended with status 3"}
+
+
+def test_a_node_that_ignores_sigint_is_asked_by_sigterm(tmp_path) -> None:
+    """As under a shell that started everything in the background; it still ends cleanly."""
+    deaf = (
+        "import signal, threading\nsignal.signal(signal.SIGINT, signal.SIG_IGN)\n"
+        "end = threading.Event()\nsignal.signal(signal.SIGTERM, lambda *_: end.set())\n"
+        "print('up', flush=True)\nend.wait(60)"
+    )
+    with _Running(tmp_path, _node("node", deaf)) as running:
+        running.until(lambda: "up" in running.log("node"))
+    assert running.outcome.unclean == {}
