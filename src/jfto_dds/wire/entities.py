@@ -40,6 +40,7 @@ _dds_assert_liveliness = DataWriter._dll_handle.dds_assert_liveliness
 _dds_assert_liveliness.argtypes, _dds_assert_liveliness.restype = [ctypes.c_int32], ctypes.c_int32
 # The binding converts QoS through class-wide scratch memory; two threads at once corrupt it.
 QOS_LOCK = threading.RLock()
+_TOPIC_TRIES = 3
 
 
 class EntityClosedError(Exception):
@@ -52,6 +53,20 @@ class Received(NamedTuple):
     payload: bytes
     source_timestamp_ns: int
     publication_handle: int
+
+
+def _new_topic(participant: Any, dds_topic: str, idl_type: Any) -> Topic:
+    """Create a topic; Cyclone's refusal of a good one, seen once in 1840 starts, is not final.
+
+    It came while two processes discovered each other's types, on another thread of the library.
+    """
+    for _ in range(_TOPIC_TRIES - 1):
+        try:
+            return Topic(participant, dds_topic, idl_type)
+        except DDSException as error:
+            if abs(error.code) != DDSException.DDS_RETCODE_BAD_PARAMETER:
+                raise
+    return Topic(participant, dds_topic, idl_type)
 
 
 def delete_entity(entity: Entity) -> None:
@@ -123,7 +138,7 @@ class Writer(_Endpoint):
     ) -> None:
         super().__init__()
         with QOS_LOCK:
-            self._topic = Topic(participant, dds_topic, idl_type)
+            self._topic = _new_topic(participant, dds_topic, idl_type)
             qos = to_cyclone(settings, user_data, writer=True)
             self._entity = DataWriter(participant, self._topic, qos, Listener(**callbacks))
         self.gid = self._entity.guid.bytes
@@ -189,7 +204,7 @@ class Reader(_Endpoint):
             on_data()
 
         with QOS_LOCK:
-            self._topic = Topic(participant, dds_topic, idl_type)
+            self._topic = _new_topic(participant, dds_topic, idl_type)
             qos = to_cyclone(settings, user_data, writer=False)
             listener = Listener(on_data_available=data_available, **callbacks)
             self._entity = DataReader(participant, self._topic, qos, listener)
