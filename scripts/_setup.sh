@@ -38,6 +38,16 @@ wanted_stamp() {
         sha256sum | cut -d ' ' -f 1
 }
 
+# The numeric kernels are compiled on first use, for a minute in all, and kept beside the source.
+# Done here once, no program that runs against the clock is held up by it.
+compile_kernels() {
+    local jfto="$venv/bin/jfto" scene=test/data/scenario/tiny.yaml out=$venv/first-use
+    "$jfto" run "$scene" --out "$out" &&
+        "$jfto" plan "$scene" --set trajectory.mode=guided --out "$out/guided.json" &&
+        "$jfto" plan "$scene" --set trajectory.mode=straight --out "$out/straight.json" &&
+        "$venv/bin/python" -c 'from jfto_sim.motion.warm_up import warm_up; warm_up()'
+}
+
 set_up() {
     local python log begin seconds
     python=$(find_python)
@@ -54,6 +64,8 @@ set_up() {
         fail "failed." "$(grep -iE '^ *error' "$log" | tail -n 5)" \
             "Check the network connection and the log .venv/setup.log, then run this again."
     fi
+    compile_kernels >>"$log" 2>&1 || fail "failed." "$(tail -n 8 "$log")" \
+        "The installed program does not run; the log is .venv/setup.log."
     wanted_stamp >"$venv/stamp"
     seconds=$((SECONDS - begin))
     printf '%d min %02d s\n' $((seconds / 60)) $((seconds % 60))
