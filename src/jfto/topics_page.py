@@ -10,6 +10,7 @@ from typing import Any
 from jfto.node_options import NODE_OPTIONS
 from jfto.nodes import use_stand_in_where_needed
 from jfto_msgs_py.ros.endpoints import SERVICES, TOPICS
+from jfto_msgs_py.ros.events import KINDS
 
 _HEAD = """\
 # Topics, services and parameters of the node graph
@@ -40,6 +41,8 @@ def page() -> str:
         lines.append(
             f"| `{topic.name}` | {topic.type} | {_qos(topic.qos())} | {by} | {to} | {topic.doc} |"
         )
+    lines += ["", "## Kinds of events", "", "| kind | what happened |", "|---|---|"]
+    lines += [f"| `{kind}` | {doc} |" for kind, doc in KINDS.items()]
     lines += ["", "## Services", "", "| service | type | by | what it does |", "|---|---|---|---|"]
     lines += [f"| `{s.name}` | {s.type} | {s.by} | {s.doc} |" for s in SERVICES]
     lines += ["", "## Parameters", "", _LIFECYCLE]

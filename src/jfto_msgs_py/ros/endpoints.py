@@ -126,6 +126,22 @@ TOPICS = (
         ("any",),
         "one status per UAV and node, once a second",
     ),
+    Topic(
+        topics.EVENTS,
+        "rcl_interfaces/msg/Log",
+        qos.events,
+        (_PLANNER, _TOPOLOGY, _POWER, _PLAYER, _BRIDGE),
+        ("any",),
+        "what happened and what was done: kind in `function`, UAV or nothing in `file`",
+    ),
+    Topic(
+        topics.LIFT_OFF,
+        "builtin_interfaces/msg/Time",
+        qos.latched,
+        (_BRIDGE,),
+        ("any",),
+        "when the flight began: time zero of the plan; once per flight",
+    ),
 )
 SERVICES = (
     Service(

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import time
 from typing import Any, Generic, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray
+from rcl_interfaces.msg import Log
 from rclpy.lifecycle import LifecycleNode, LifecyclePublisher, TransitionCallbackReturn
 
 from jfto_msgs_py.errors import JftoError, MessageError, ScenarioError
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.diagnostics import Status, encode_diagnostics
+from jfto_msgs_py.ros.events import ERROR, WARN, Event, EventLimit, encode_event
 from jfto_msgs_py.ros.intake import Intake
 from jfto_msgs_py.ros.parameters import NodeParameters
 from jfto_msgs_py.ros.vehicle import decode_pose
@@ -36,6 +39,9 @@ class GraphNode(LifecycleNode, Generic[Options]):
         self.intake = Intake(self.get_logger())
         self._built_from: tuple[Scenario, Options] | None = None
         self._entities: dict[str, set[Any]] = {}
+        self._event_limit = EventLimit(time.monotonic)
+        # Of the node, not of one configuration: what happened stays to be read.
+        self._events = self.create_publisher(Log, topics.EVENTS, qos.events())
         self._parameters_of_node = NodeParameters(
             self, options_type, lambda: self.is_active, self.check
         )
@@ -64,6 +70,27 @@ class GraphNode(LifecycleNode, Generic[Options]):
     def now_ns(self) -> int:
         """Time on the node's clock, ns since the epoch; 0 until simulated time has come."""
         return int(self.get_clock().now().nanoseconds)
+
+    def announce(self, level: int, kind: str, uav_id: str, text: str) -> None:
+        """Tell the operator, as an event and in the log, what happened and what was done.
+
+        `level` and `kind` are those of `events`, `uav_id` "" where no single UAV is meant. Of
+        many of one kind and UAV in a short time only some are told, with the number of the others.
+        """
+        held = self._event_limit.admit(kind, uav_id)
+        if held is None:
+            return
+        more = f" ({held} more of this kind not told)" if held else ""
+        event = Event(self.now_ns(), level, self.get_name(), kind, uav_id, text + more)
+        self._events.publish(encode_event(event))
+        line = f"{kind}: {uav_id}: {event.text}" if uav_id else f"{kind}: {event.text}"
+        # Each of its own: a logger's filter belongs to the line.
+        if level >= ERROR:
+            self.get_logger().error(line)
+        elif level >= WARN:
+            self.get_logger().warning(line)
+        else:
+            self.get_logger().info(line)
 
     def take_pose(self, uav: str, message: Any) -> VehiclePose | None:
         """The pose in a message; None where it is malformed or stamped ahead of the clock.

@@ -1,4 +1,4 @@
-"""The three quality-of-service profiles that the graph uses."""
+"""The four quality-of-service profiles that the graph uses."""
 
 from __future__ import annotations
 
@@ -7,13 +7,12 @@ from typing import Any
 
 def latched() -> Any:
     """Reliable and transient local, depth 1: a late joiner gets the last value at once."""
-    from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+    return _kept(1)
 
-    return QoSProfile(
-        depth=1,
-        reliability=ReliabilityPolicy.RELIABLE,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL,
-    )
+
+def events() -> Any:
+    """Reliable and transient local, depth 100: a late joiner gets what has happened so far."""
+    return _kept(100)
 
 
 def sensor() -> Any:
@@ -28,3 +27,13 @@ def default() -> Any:
     from rclpy.qos import QoSProfile
 
     return QoSProfile(depth=10)
+
+
+def _kept(depth: int) -> Any:
+    from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+    return QoSProfile(
+        depth=depth,
+        reliability=ReliabilityPolicy.RELIABLE,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL,
+    )

@@ -9,6 +9,12 @@ POWER_INTERVAL = "/jfto/topology/power_interval"
 POWER_SCHEDULE = "/jfto/power/schedule"
 MARKERS = "/jfto/markers"
 DIAGNOSTICS = "/diagnostics"
+EVENTS = "/jfto/events"
+LIFT_OFF = "/jfto/mission/lift_off"
+AIR_POWER = "/jfto/air/power"
+AIR_ENERGY = "/jfto/air/energy"
+AIR_RATE = "/jfto/air/rate"
+AIR_DELIVERY = "/jfto/air/delivery"
 REPLAN = "/jfto/planner/replan"
 MISSION_SERVICES = tuple(
     f"/jfto/mission/{verb}" for verb in ("upload", "start", "pause", "resume", "abort")
@@ -28,6 +34,11 @@ def trajectory(uav_id: str) -> str:
 def tx_power(uav_id: str) -> str:
     """Transmit-power setpoint in force, dBm."""
     return f"/{uav_id}/jfto/tx_power"
+
+
+def tx_power_applied(uav_id: str) -> str:
+    """Transmit power read back from a UAV's radio, dBm."""
+    return f"/{uav_id}/jfto/tx_power_applied"
 
 
 def pose(uav_id: str) -> str:
