@@ -91,6 +91,8 @@ def test_a_fleet_is_uploaded_started_held_and_called_home(graph, plan_file):
     success, text = station.call("upload")
     assert success, text
     assert "2 missions on board and verified" in text
+    assert station.call("check") == (True, "ready to arm: uav1, uav2")
+    assert station.fact("uav1", "armed") == "false"
     graph.until(lambda: len(poses) > 3 and fixes and batteries)
     pose = decode_pose(poses[-1])
     assert pose.position_m == pytest.approx((0.0, 20.0, 2.0), abs=0.5)
@@ -144,6 +146,16 @@ def test_real_vehicles_are_not_armed_unasked(graph, plan_file):
     assert not success
     assert "allow_arming" in text
     assert "[MAV-606]" in text
+
+
+def test_a_check_names_what_speaks_against_arming(graph, plan_file):
+    """Nothing was uploaded: the check says so, and arms nobody."""
+    station = Station(graph, plan_file, roster=["sim:2"], speedup=12.0)
+    station.ready()
+    success, text = station.call("check")
+    assert not success
+    assert "not the plan's mission on board" in text
+    assert station.fact("uav1", "armed") == "false"
 
 
 def test_a_plan_that_comes_later_is_waited_for(graph, plan_file):

@@ -1,4 +1,4 @@
-"""Orders to a whole fleet, one at a time, answered in words: upload, start, pause, resume, abort.
+"""Orders to a whole fleet, one at a time, answered in words: upload, check, start, …, abort.
 
 Each method waits for the vehicles, so it is called in a thread of its own.
 """
@@ -14,7 +14,7 @@ from jfto_mavlink.bridge import Bridge
 from jfto_mavlink.dialect import MODES, mavlink
 from jfto_mavlink.errors import FlightError
 from jfto_mavlink.exchange import Context, Exchange, wait_until
-from jfto_mavlink.fleet.fly import FlySettings, start_fleet
+from jfto_mavlink.fleet.fly import FlySettings, check_fleet, start_fleet
 from jfto_mavlink.fleet.release import Release, Reporter, deliver_to_fleet
 from jfto_mavlink.flight.control import land, pause, resume, return_home
 from jfto_mavlink.flight.preflight import GateSettings
@@ -67,6 +67,14 @@ class MissionDesk:
             self._release = deliver_to_fleet(self.bridge, sent, self.report).release()
             hashes = ", ".join(f"{u} {d[:12]}" for u, d in self._release.digests.items())
             return f"{len(sent)} missions on board and verified: {hashes}"
+
+    def check(self) -> str:
+        """Hold every vehicle at the gate before arming, and arm none."""
+        with self._order("check"):
+            release = self._release or self._read_back()
+            gate = self.settings.gate
+            check_fleet(self.bridge, release, self.missions, gate, self.report)
+            return f"ready to arm: {', '.join(self.missions)}"
 
     def start(self) -> str:
         """Check, arm and start all vehicles; returns when all fly."""

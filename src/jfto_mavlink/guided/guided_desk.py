@@ -97,6 +97,12 @@ class GuidedDesk(MissionDesk):
             return "streaming"
         return str(future.exception() or future.result())
 
+    def check(self) -> str:
+        """Hold every vehicle at the gate before arming, and arm none; no mission is asked for."""
+        with self._order("check"):
+            self._check_ready()
+            return f"ready to arm: {', '.join(self.missions)}"
+
     def start(self) -> str:
         """Check, arm, take off together and stream; returns when all are on their way."""
         with self._start_order():

@@ -156,6 +156,7 @@ SERVICES = (
             topics.MISSION_SERVICES,
             (
                 "upload all missions, read them back and compare: all or none",
+                "hold the fleet at the gate before arming, and arm nobody: what speaks against it",
                 "check, arm and start the fleet; answers when all fly. Needs allow_arming",
                 "hold all that fly their mission",
                 "let all go on that hold",

@@ -16,9 +16,13 @@ AIR_ENERGY = "/jfto/air/energy"
 AIR_RATE = "/jfto/air/rate"
 AIR_DELIVERY = "/jfto/air/delivery"
 REPLAN = "/jfto/planner/replan"
-MISSION_SERVICES = tuple(
-    f"/jfto/mission/{verb}" for verb in ("upload", "start", "pause", "resume", "abort")
-)
+_MISSION_VERBS = ("upload", "check", "start", "pause", "resume", "abort")
+MISSION_SERVICES = tuple(f"/jfto/mission/{verb}" for verb in _MISSION_VERBS)
+
+
+def mission(verb: str) -> str:
+    """Service that gives the fleet an order."""
+    return f"/jfto/mission/{verb}"
 
 
 def path(uav_id: str) -> str:
