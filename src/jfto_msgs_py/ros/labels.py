@@ -10,8 +10,7 @@ BOUND_LABEL = "bound;min,max;unit=W"
 
 def slot_label(horizon: SlotHorizon) -> str:
     """Label of the slot dimension: `slot;first=45;t0=1763776800.250000000;dt=3.0`."""
-    seconds, nanoseconds = divmod(horizon.t0_ns, 10**9)
-    return f"slot;first={horizon.first};t0={seconds}.{nanoseconds:09d};dt={horizon.duration_s!r}"
+    return f"slot;first={horizon.first};t0={_seconds(horizon.t0_ns)};dt={horizon.duration_s!r}"
 
 
 def parse_slot_label(label: str, count: int) -> SlotHorizon:
@@ -25,7 +24,7 @@ def parse_slot_label(label: str, count: int) -> SlotHorizon:
         duration_s = float(values["dt"])
     except ValueError:
         raise MessageError("slot.dt", f"{values['dt']!r} is not a number") from None
-    return SlotHorizon(first, _nanoseconds(values["t0"]), duration_s, count)
+    return SlotHorizon(first, _nanoseconds("slot.t0", values["t0"]), duration_s, count)
 
 
 def uav_label(uav_ids: tuple[str, ...]) -> str:
@@ -41,11 +40,27 @@ def parse_uav_label(label: str, size: int) -> tuple[str, ...]:
     return ids
 
 
-def _nanoseconds(text: str) -> int:
+def stamped_uav_label(uav_ids: tuple[str, ...], stamp_ns: int) -> str:
+    """Label of UAVs at one moment: `uav;ids=uav1,uav2;t=1763776800.250000000`."""
+    return f"{uav_label(uav_ids)};t={_seconds(stamp_ns)}"
+
+
+def parse_stamped_uav_label(label: str, size: int) -> tuple[int, tuple[str, ...]]:
+    """Stamp in ns and UAV ids of a label. Raises MessageError naming the faulty part."""
+    values = _fields(label, "uav", ("ids", "t"))
+    return _nanoseconds("uav.t", values["t"]), parse_uav_label(label, size)
+
+
+def _seconds(stamp_ns: int) -> str:
+    seconds, nanoseconds = divmod(stamp_ns, 10**9)
+    return f"{seconds}.{nanoseconds:09d}"
+
+
+def _nanoseconds(field: str, text: str) -> int:
     """Exact nanoseconds of a decimal number of seconds: a float would round them."""
     whole, _, fraction = text.partition(".")
     if not whole.isdecimal() or (fraction and not fraction.isdecimal()) or len(fraction) > 9:
-        raise MessageError("slot.t0", f"{text!r} is not seconds with at most 9 decimals")
+        raise MessageError(field, f"{text!r} is not seconds with at most 9 decimals")
     return int(whole) * 10**9 + int(fraction.ljust(9, "0") or 0)
 
 

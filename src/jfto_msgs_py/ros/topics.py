@@ -15,6 +15,7 @@ AIR_POWER = "/jfto/air/power"
 AIR_ENERGY = "/jfto/air/energy"
 AIR_RATE = "/jfto/air/rate"
 AIR_DELIVERY = "/jfto/air/delivery"
+AIR_GAIN = "/jfto/air/gain"
 REPLAN = "/jfto/planner/replan"
 _MISSION_VERBS = ("upload", "check", "start", "pause", "resume", "abort")
 MISSION_SERVICES = tuple(f"/jfto/mission/{verb}" for verb in _MISSION_VERBS)

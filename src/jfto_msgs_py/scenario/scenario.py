@@ -13,6 +13,7 @@ from jfto_msgs_py.scenario.fleet import FleetPart, StartsPart
 from jfto_msgs_py.scenario.key import Key, keys_of
 from jfto_msgs_py.scenario.mission import EvaluationPart, MissionPart, NetworkPart, SearchPart
 from jfto_msgs_py.scenario.radio import RadioPart
+from jfto_msgs_py.scenario.simulation import SimulationPart
 from jfto_msgs_py.scenario.terrain import TerrainPart
 from jfto_msgs_py.scenario.trajectory import TrajectoryPart
 from jfto_msgs_py.scenario.waypoints import WaypointsPart
@@ -34,6 +35,7 @@ class Scenario:
     trajectory: TrajectoryPart = field(default_factory=TrajectoryPart)
     search: SearchPart = field(default_factory=SearchPart)
     evaluation: EvaluationPart = field(default_factory=EvaluationPart)
+    simulation: SimulationPart = field(default_factory=SimulationPart)
 
     def values(self) -> dict[str, Any]:
         """Value of every key by its dotted name, in the order of the schema."""
@@ -62,6 +64,7 @@ PARTS: dict[str, type] = {
     "trajectory": TrajectoryPart,
     "search": SearchPart,
     "evaluation": EvaluationPart,
+    "simulation": SimulationPart,
 }
 KEYS: dict[str, Key] = {
     key.name: key for prefix, part in PARTS.items() for key in keys_of(part, prefix)

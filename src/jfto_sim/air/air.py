@@ -1,0 +1,152 @@
+"""The air of one fleet: powers that are really set, links that really hold, energy really used."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jfto_msgs_py.air import AirReport
+from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.units import db_to_ratio, dbm_to_w, ratio_to_db
+from jfto_sim.air.delivery import delivery_share
+from jfto_sim.air.obstruction import Ground, terrain_loss_db
+from jfto_sim.air.settings import AirSettings
+from jfto_sim.air.shadowing import Shadowing
+from jfto_world.radio import make_channel, mutual_links, pairwise_distances, rate_bps
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+# Below this share of packets a receiver says nothing about the sender.
+_HEARD_SHARE = 0.01
+
+
+@dataclass(frozen=True)
+class AirMember:
+    """A UAV's radio: its greatest power in dBm and the energy in joules it may send with."""
+
+    uav_id: str
+    p_max_dbm: float
+    energy_j: float
+
+
+class Air:
+    """Radios and the channel between them; advanced by `step`, knows no clock of its own.
+
+    A radio begins at its greatest power, as radios do, and sends nothing once its energy is gone,
+    it is dead, or its vehicle is off. `ground` adds the loss behind ridges.
+    """
+
+    def __init__(
+        self,
+        members: Sequence[AirMember],
+        radio: Radio,
+        settings: AirSettings | None = None,
+        ground: Ground | None = None,
+    ) -> None:
+        self._members = {member.uav_id: k for k, member in enumerate(members)}
+        self._radio, self._settings = radio, settings or AirSettings()
+        self._channel = make_channel(radio)
+        self._sensitivity_w = float(dbm_to_w(radio.sensitivity_dbm))
+        self._ground = ground
+        self._shadowing = Shadowing(len(members), self._settings)
+        self._p_max_dbm = [member.p_max_dbm for member in members]
+        self._set_dbm = list(self._p_max_dbm)
+        self._budget_j = np.array([member.energy_j for member in members])
+        self._used_j = np.zeros(len(members))
+        self._dead = np.zeros(len(members), dtype=np.bool_)
+        self._stuck = np.zeros(len(members), dtype=np.bool_)
+
+    @property
+    def uav_ids(self) -> tuple[str, ...]:
+        """UAVs in the order of all arrays."""
+        return tuple(self._members)
+
+    @property
+    def left_j(self) -> Array:
+        """Energy left to each UAV in joules, (A,)."""
+        return np.maximum(self._budget_j - self._used_j, 0.0)
+
+    def set_power(self, uav_id: str, dbm: float) -> float:
+        """Set a radio to a power in dBm, -inf for silence; returns what it is then set to.
+
+        A radio cannot do more than its greatest power, and a stuck one stays as it is. Raises
+        InputError for a radio that there is none of, that is dead, or a power that is no number.
+        """
+        k = self._living(uav_id)
+        if math.isnan(dbm) or dbm == math.inf:
+            raise InputError(f"power of {uav_id} is {dbm} dBm, must be a number or -inf.")
+        if not self._stuck[k]:
+            self._set_dbm[k] = min(dbm, self._p_max_dbm[k])
+        return self._set_dbm[k]
+
+    def power_dbm(self, uav_id: str) -> float:
+        """What a radio is set to, dBm. Raises InputError where it does not answer."""
+        return self._set_dbm[self._living(uav_id)]
+
+    def set_dead(self, uav_id: str, dead: bool = True) -> None:
+        """Break a radio, or mend it."""
+        self._dead[self._index(uav_id)] = dead
+
+    def set_stuck(self, uav_id: str, stuck: bool = True) -> None:
+        """Let a radio ignore what it is told, or obey again."""
+        self._stuck[self._index(uav_id)] = stuck
+
+    def step(
+        self,
+        dt_s: float,
+        positions_m: Array,
+        *,
+        switched_on: Flags | None = None,
+        metered: bool = True,
+        stamp_ns: int = 0,
+    ) -> AirReport:
+        """Let `dt_s` seconds pass with the fleet at `positions_m` (A, 3), ENU metres.
+
+        `switched_on` (A,) marks vehicles with power. Energy is charged only while `metered`, for
+        the powers set; a radio that runs out within the step is silent from its end on. The report
+        holds what is so at the end of the step, stamped `stamp_ns`.
+        """
+        on = ~self._dead if switched_on is None else ~self._dead & switched_on
+        power_w = dbm_to_w(np.array(self._set_dbm))
+        if metered:
+            sent_w = np.where(on & (self.left_j > 0), power_w, 0.0)
+            self._used_j = np.minimum(self._used_j + sent_w * dt_s, self._budget_j)
+        power_w = np.where(on & (self.left_j > 0), power_w, 0.0)
+        gain = self._gain(dt_s, positions_m)
+        links = mutual_links(gain, power_w, self._sensitivity_w)
+        margin_db = ratio_to_db(power_w[:, None] * gain / self._sensitivity_w)
+        # Half duplex: who does not send does not acknowledge either.
+        share = np.where((power_w > 0)[None, :], delivery_share(margin_db), 0.0)
+        np.fill_diagonal(share, 0.0)
+        return AirReport(
+            stamp_ns=stamp_ns,
+            uav_ids=self.uav_ids,
+            power_w=power_w,
+            energy_j=self._used_j.copy(),
+            rate_bps=np.where(links, rate_bps(self._radio, power_w[:, None], gain), 0.0),
+            delivery=share,
+            gain=np.where(share > _HEARD_SHARE, gain, 0.0),
+        )
+
+    def _gain(self, dt_s: float, positions_m: Array) -> Array:
+        loss_db = self._settings.path_loss_error_db + self._shadowing.step(dt_s, positions_m)
+        if self._ground is not None:
+            loss_db = loss_db + terrain_loss_db(positions_m, self._ground, self._radio.frequency_hz)
+        return self._channel.gain(pairwise_distances(positions_m)) * db_to_ratio(-loss_db)
+
+    def _index(self, uav_id: str) -> int:
+        if uav_id not in self._members:
+            raise InputError(f"There is no radio of {uav_id}; there are {', '.join(self.uav_ids)}.")
+        return self._members[uav_id]
+
+    def _living(self, uav_id: str) -> int:
+        k = self._index(uav_id)
+        if self._dead[k]:
+            raise InputError(f"The radio of {uav_id} does not answer: it is dead.")
+        return k
