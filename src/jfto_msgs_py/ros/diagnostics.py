@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from jfto_msgs_py.ros.stamps import encode_time
+from jfto_msgs_py.errors import MessageError
+from jfto_msgs_py.ros.stamps import decode_time, encode_time
 
 OK, WARN, ERROR, STALE = range(4)
 
@@ -38,3 +39,28 @@ def encode_diagnostics(node_name: str, stamp_ns: int, statuses: Sequence[Status]
         for status in statuses
     ]
     return message
+
+
+@dataclass(frozen=True)
+class Diagnostics:
+    """What a node said at a moment (ns since the epoch on its clock)."""
+
+    node_name: str
+    stamp_ns: int
+    statuses: tuple[Status, ...]
+
+
+def decode_diagnostics(message: Any) -> Diagnostics:
+    """Statuses of one of our nodes. Raises MessageError for those of other programs."""
+    statuses, names = [], set()
+    for index, status in enumerate(message.status):
+        node_name, _, uav_id = status.name.partition(": ")
+        level = int.from_bytes(status.level, "little")
+        if not node_name or level > STALE:
+            raise MessageError(f"status[{index}].name", f"{status.name!r} at level {level}")
+        names.add(node_name)
+        facts = {value.key: value.value for value in status.values}
+        statuses.append(Status(uav_id, level, status.message, facts))
+    if len(names) != 1:
+        raise MessageError("status", f"speaks for {len(names)} nodes, must for one")
+    return Diagnostics(names.pop(), decode_time(message.header.stamp), tuple(statuses))
