@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import queue
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -45,8 +45,23 @@ class Outcome:
     unclean: dict[str, str] = field(default_factory=dict)
 
 
+@dataclass(frozen=True)
+class Death:
+    """A node's process has ended by itself: how, and in how long it is started again.
+
+    `again_s` is None where it was given up.
+    """
+
+    name: str
+    how: str
+    again_s: float | None
+
+
 class Supervisor:
     """Runs nodes until `stop` or until one is given up; `tell` hears what happens, in words.
+
+    Of `essential` nodes, all where None, none may be given up; without another one the rest goes
+    on. `died` hears of each death, in the thread of `run`.
 
     Each node's output goes to `directory`/logs/<name>.log; `directory`/status.json always holds
     the state of all.
@@ -58,6 +73,8 @@ class Supervisor:
         directory: Path,
         tell: Callable[[str, str], None],
         settings: BackOffSettings | None = None,
+        essential: Collection[str] | None = None,
+        died: Callable[[Death], None] = lambda _death: None,
     ) -> None:
         chosen = settings or BackOffSettings()
         self._slots = [
@@ -65,7 +82,7 @@ class Supervisor:
             for node in nodes
         ]
         self._directory = directory
-        self._tell = tell
+        self._tell, self._died, self._essential = tell, died, essential
         self._events: queue.SimpleQueue[tuple[_Slot, Process, int] | None] = queue.SimpleQueue()
 
     def run(self) -> Outcome:
@@ -134,17 +151,19 @@ class Supervisor:
         self._tell(slot.node.name, f"{word}, pid {process.pid}")
 
     def _mourn(self, slot: _Slot, process: Process, status: int) -> bool:
-        """Arrange for a dead process's restart; False where it is given up."""
+        """Arrange for a dead process's restart; False where nothing goes on without it."""
         slot.process = None
         how = ending(status)
         # Status 2 says that its parameters are wrong: they will be wrong again.
         wait_s = (
             None if status == InputError.exit_status else slot.back_off.wait_s(process.uptime_s)
         )
+        self._died(Death(slot.node.name, how, wait_s))
         if wait_s is None:
             slot.given_up = f"{how} after {process.uptime_s:.1f} s"
             self._tell(slot.node.name, f"{slot.given_up}, given up")
-            return False
+            self._write_status()
+            return self._essential is not None and slot.node.name not in self._essential
         slot.again_at_s = time.monotonic() + wait_s
         self._tell(slot.node.name, f"{how} after {process.uptime_s:.1f} s, again in {wait_s:.1f} s")
         self._write_status()

@@ -13,7 +13,7 @@ import pytest
 
 from jfto.supervision.back_off import BackOffSettings
 from jfto.supervision.process import NodeCommand
-from jfto.supervision.supervisor import Supervisor
+from jfto.supervision.supervisor import Death, Supervisor
 
 LIMIT_S = 30.0
 SLEEPER = "import time; print('up', flush=True)\ntry: time.sleep(60)\nexcept KeyboardInterrupt: 0"
@@ -27,11 +27,17 @@ def _node(name: str, code: str) -> NodeCommand:
 class _Running:
     """A supervisor in a thread; `told` is what it said."""
 
-    def __init__(self, directory, *nodes: NodeCommand) -> None:
+    def __init__(self, directory, *nodes: NodeCommand, essential=None) -> None:
         self.directory = directory
         self.told: list[tuple[str, str]] = []
+        self.deaths: list[Death] = []
         self.supervisor = Supervisor(
-            nodes, directory, lambda name, text: self.told.append((name, text)), SETTINGS
+            nodes,
+            directory,
+            lambda name, text: self.told.append((name, text)),
+            SETTINGS,
+            essential,
+            self.deaths.append,
         )
         self.outcome = None
         self._thread = threading.Thread(target=self._run)
@@ -84,6 +90,19 @@ def test_a_node_that_keeps_dying_is_given_up(tmp_path) -> None:
     assert list(running.outcome.failed) == ["bad"]
     assert "ended with status 7" in running.outcome.failed["bad"]
     assert not running.outcome.stopped
+
+
+def test_the_rest_goes_on_without_a_node_that_is_not_essential(tmp_path) -> None:
+    """It is given up, whoever listens hears of every death, and the others stay up."""
+    good, bad = _node("good", SLEEPER), _node("bad", "raise SystemExit(7)")
+    with _Running(tmp_path, good, bad, essential=["good"]) as running:
+        running.until(lambda: running.deaths and running.deaths[-1].again_s is None)
+        running.until(lambda: "up" in running.log("good"))
+        assert running.outcome is None
+    assert {death.how for death in running.deaths} == {"ended with status 7"}
+    assert [death.again_s for death in running.deaths] == [0.01, 0.02, 0.04, None]
+    assert running.outcome.stopped
+    assert list(running.outcome.failed) == ["bad"]
 
 
 def test_bad_parameters_are_not_tried_again(tmp_path) -> None:
