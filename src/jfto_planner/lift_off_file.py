@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from jfto_msgs_py.errors import InputError
@@ -13,22 +14,35 @@ from jfto_msgs_py.read_text import read_text
 from jfto_msgs_py.write_file import write_file
 
 LIFT_OFF_FORMAT = "jfto-lift-off"
-LIFT_OFF_VERSION = 1
+LIFT_OFF_VERSION = 2
 _SIZE_LIMIT = 10_000
 
 
-def write_lift_off(plan: Plan, start_ns: int, path: Path) -> None:
-    """Write a plan's lift-off (ns since the epoch); raises InputError."""
+@dataclass(frozen=True)
+class LiftOffState:
+    """What is known of a plan's start; times are ns since the epoch.
+
+    `planned_ns` is when the plan was made, 0 where that is not known; `start_ns` its time zero;
+    `heard` whether the fleet itself has said so.
+    """
+
+    planned_ns: int
+    start_ns: int
+    heard: bool
+
+
+def write_lift_off(plan: Plan, state: LiftOffState, path: Path) -> None:
+    """Write a plan's lift-off; raises InputError."""
     document = {
         "format": LIFT_OFF_FORMAT,
         "version": LIFT_OFF_VERSION,
         "plan_sha256": _digest(plan),
-        "start_ns": start_ns,
+        **asdict(state),
     }
     write_file(path, json.dumps(document, indent=1) + "\n")
 
 
-def read_lift_off(plan: Plan, path: Path) -> int | None:
+def read_lift_off(plan: Plan, path: Path) -> LiftOffState | None:
     """Lift-off of this very plan, None where the file is not there or for another plan.
 
     Raises InputError where it is no such file.
@@ -40,12 +54,15 @@ def read_lift_off(plan: Plan, path: Path) -> int | None:
         document = json.loads(text)
         if (document["format"], document["version"]) != (LIFT_OFF_FORMAT, LIFT_OFF_VERSION):
             raise ValueError("other format or version")
-        start_ns, digest = int(document["start_ns"]), document["plan_sha256"]
+        state = LiftOffState(
+            int(document["planned_ns"]), int(document["start_ns"]), bool(document["heard"])
+        )
+        digest = document["plan_sha256"]
     except (ValueError, KeyError, TypeError) as error:
         raise InputError(
             f"{path}: does not say when lift-off is ({error!r}). Name another file or delete it."
         ) from None
-    return start_ns if digest == _digest(plan) else None
+    return state if digest == _digest(plan) else None
 
 
 def _digest(plan: Plan) -> str:

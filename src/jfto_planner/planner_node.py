@@ -6,26 +6,31 @@ from collections.abc import Callable
 from pathlib import Path as FilePath
 from typing import Any
 
+from builtin_interfaces.msg import Time
 from nav_msgs.msg import Path
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 
-from jfto_msgs_py.errors import InfeasibleError, InputError, JftoError, PlanError
+from jfto_msgs_py.errors import InfeasibleError, InputError, JftoError, MessageError, PlanError
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.plan_file import read_plan, write_plan
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.diagnostics import ERROR, OK, WARN, Status
+from jfto_msgs_py.ros.events import INFO as TOLD
+from jfto_msgs_py.ros.events import WARN as WARNED
 from jfto_msgs_py.ros.graph_node import GraphNode
+from jfto_msgs_py.ros.stamps import decode_time
 from jfto_msgs_py.ros.vehicle import encode_path, encode_trajectory
 from jfto_msgs_py.scenario import Scenario
-from jfto_planner.lift_off_file import read_lift_off, write_lift_off
+from jfto_planner.lift_off import LiftOff
 from jfto_planner.plan_job import PlanJob, Progress
 from jfto_planner.plan_trajectory import timed_paths, timed_trajectories
 from jfto_planner.planner_options import PlannerOptions
 
 _CLOCK_WAIT_S = 0.1
+_KEEP_AHEAD_S = 60.0
 PlanFunction = Callable[[Scenario, Progress], Plan]
 
 
@@ -41,9 +46,10 @@ class PlannerNode(GraphNode[PlannerOptions]):
         self._make_plan = plan
         self._load = load
         self._plan: Plan | None = None
-        self._start_ns = 0
+        self._lift_off: LiftOff | None = None
+        self._heard_ns: int | None = None
+        self._made = False
         self._job: PlanJob | None = None
-        self._fresh = False
         self._planned_for: Scenario | None = None
         self._waiting: list[Future] = []
         self._trouble = ""
@@ -71,6 +77,8 @@ class PlannerNode(GraphNode[PlannerOptions]):
         self.create_service(
             Trigger, topics.REPLAN, self._on_replan, callback_group=ReentrantCallbackGroup()
         )
+        self.create_subscription(Time, topics.LIFT_OFF, self._on_lift_off, qos.latched())
+        self.create_timer(_KEEP_AHEAD_S, self._keep_ahead)
         self._finished = self.create_guard_condition(self._on_finished)
         # Where simulated time has not begun, a finished plan waits for it.
         self._clock_wait = self.create_timer(_CLOCK_WAIT_S, self._on_finished)
@@ -90,7 +98,7 @@ class PlannerNode(GraphNode[PlannerOptions]):
         if job is not None:
             job.call_off()
         self._answer(success=False, text="The node was cleaned up.")
-        self._plan = None
+        self._plan = self._lift_off = None
 
     def _begin(self, *, fresh: bool) -> None:
         scenario, path = self._scenario, self._options.plan_file
@@ -108,7 +116,10 @@ class PlannerNode(GraphNode[PlannerOptions]):
                 write_plan(plan, file)
             return plan
 
-        self._trouble, self._fresh = "", fresh
+        if fresh:
+            # What was heard was the lift-off of another plan.
+            self._heard_ns = None
+        self._trouble, self._made = "", not load
         self._job = PlanJob(work, self._finished.trigger)
 
     def _on_finished(self) -> None:
@@ -149,36 +160,72 @@ class PlannerNode(GraphNode[PlannerOptions]):
         if plan.certificate is not None and not plan.certificate.clean:
             first = plan.certificate.violations[0].message if plan.certificate.violations else ""
             raise InfeasibleError(f"The plan breaks its constraints and is not published. {first}")
-        self._start_ns = self._lift_off_ns(plan)
+        self._lift_off = LiftOff(plan, self._options, self.now_ns(), made_now=self._made)
         self._plan, self._planned_for = plan, self._scenario
         self.get_logger().info(self._summary())
         self._publish()
+        if self._heard_ns is not None:
+            self._anchor(self._heard_ns)
 
-    def _lift_off_ns(self, plan: Plan) -> int:
-        options = self._options
-        file = FilePath(options.state_file) if options.state_file else None
-        start_ns = round(options.start_time_s * 1e9)
-        if not start_ns and file is not None and not self._fresh:
-            start_ns = read_lift_off(plan, file) or 0
-        start_ns = start_ns or self.now_ns() + round(options.start_delay_s * 1e9)
-        if file is not None:
-            write_lift_off(plan, start_ns, file)
-        return start_ns
+    def _on_lift_off(self, message: Any) -> None:
+        heard_ns = self.intake.take(
+            topics.LIFT_OFF, lambda stamp: decode_time(stamp, "lift_off"), message
+        )
+        if heard_ns is None:
+            return
+        self._heard_ns = heard_ns
+        if self._lift_off is not None:
+            self._anchor(heard_ns)
+
+    def _anchor(self, heard_ns: int) -> None:
+        """Count the plan from when the fleet lifted off, and tell all that follow it."""
+        assert self._lift_off is not None
+        before_ns, awaited = self._lift_off.start_ns, self._lift_off.awaited
+        try:
+            if not self._lift_off.hear(heard_ns, self.now_ns()):
+                return
+        except MessageError as error:
+            self.intake.refuse(topics.LIFT_OFF, error)
+            text = f"Not taken for a lift-off: {error}. The plan's start stays as it was."
+            self.announce(WARNED, "lift_off", "", text)
+            return
+        except InputError as error:
+            # Better to fly without a file than on the wrong clock.
+            self.get_logger().error(str(error))
+        moved = "" if awaited else f", {(heard_ns - before_ns) / 1e9:+.1f} s from what was assumed"
+        text = f"Lift-off at {heard_ns / 1e9:.3f} s{moved}: plan and slots are counted from there."
+        self.announce(TOLD, "lift_off", "", text)
+        self._publish()
+
+    def _keep_ahead(self) -> None:
+        if self._lift_off is None:
+            return
+        try:
+            moved = self._lift_off.keep_ahead(self.now_ns())
+        except InputError as error:
+            moved = True
+            self.get_logger().error(str(error))
+        if moved:
+            self._publish()
 
     def _publish(self) -> None:
         assert self._plan is not None
-        for uav, trajectory in timed_trajectories(self._plan, self._start_ns).items():
+        assert self._lift_off is not None
+        start_ns = self._lift_off.start_ns
+        for uav, trajectory in timed_trajectories(self._plan, start_ns).items():
             self._trajectories[uav].publish(encode_trajectory(trajectory, uav))
-        for uav, path in timed_paths(self._plan, self._start_ns).items():
+        for uav, path in timed_paths(self._plan, start_ns).items():
             self._paths[uav].publish(encode_path(path))
 
     def _summary(self) -> str:
-        plan = self._plan
+        plan, lift_off = self._plan, self._lift_off
         assert plan is not None
+        assert lift_off is not None
+        at = f"at {lift_off.start_ns / 1e9:.3f} s"
         return (
             f"{len(plan.waypoints)} waypoints, {plan.total_length_m / 1000:.2f} km, "
             f"{plan.slots.count} slots of {plan.slots.duration_s:.3f} s, "
-            f"lift-off at {self._start_ns / 1e9:.3f} s"
+            f"lift-off {'awaited' if lift_off.awaited else at}"
         )
 
     async def _on_replan(self, request: Any, response: Any) -> Any:
@@ -210,7 +257,8 @@ class PlannerNode(GraphNode[PlannerOptions]):
             return [Status("", ERROR, self._trouble, facts), *self._fleet(ERROR, "no plan")]
         if self._plan is None:
             return [Status("", WARN, "not active", facts), *self._fleet(WARN, "no plan")]
-        facts["elapsed_s"] = f"{(now_ns - self._start_ns) / 1e9:.1f}"
+        if self._lift_off is not None and not self._lift_off.awaited:
+            facts["elapsed_s"] = f"{(now_ns - self._lift_off.start_ns) / 1e9:.1f}"
         uavs = [
             Status(
                 uav.id,

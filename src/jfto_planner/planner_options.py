@@ -29,3 +29,8 @@ class PlannerOptions:
     start_delay_s: float = param(
         5.0, "Time between a plan and its lift-off.", unit="s", low=0.0, high=86_400.0
     )
+    await_lift_off: bool = param(
+        False,
+        "Keep lift-off ahead of the clock until the fleet says on /jfto/mission/lift_off when it "
+        "was; start_delay_s then has no effect.",
+    )

@@ -88,11 +88,11 @@ def test_a_restart_keeps_plan_and_lift_off(graph, tmp_path) -> None:
     files = {"plan_file": str(tmp_path / "plan.json"), "state_file": str(tmp_path / "start.json")}
     first = graph.add(PlannerNode, _plan, **files)
     graph.until(lambda: first._plan is not None)
-    start_ns = first._start_ns
+    start_ns = first._lift_off.start_ns
     graph.remove(first)
     second = graph.add(PlannerNode, **files)
     graph.until(lambda: second._plan is not None)
-    assert second._start_ns == start_ns
+    assert second._lift_off.start_ns == start_ns
     assert read_plan(tmp_path / "plan.json").slots == second._plan.slots
 
 

@@ -139,7 +139,7 @@ TOPICS = (
         "builtin_interfaces/msg/Time",
         qos.latched,
         (_BRIDGE,),
-        ("any",),
+        (_PLANNER,),
         "when the flight began: time zero of the plan; once per flight",
     ),
 )
