@@ -8,8 +8,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from jfto.figures.style import PAGE_WIDTH_IN, new_figure, styled, uav_colour
+from jfto.figures.style import PAGE_WIDTH_IN, new_figure, styled
 from jfto.flown import Flown, flown
+from jfto.palette import uav_colour
 from jfto_msgs_py.plan import Plan
 from jfto_world.terrain import Dem
 

@@ -8,18 +8,8 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
-# Okabe and Ito's palette, which stays apart for all common kinds of colour blindness; yellow is
-# darkened so that it shows on paper.
-UAV_COLOURS = (
-    "#0072B2",
-    "#D55E00",
-    "#009E73",
-    "#CC79A7",
-    "#E69F00",
-    "#56B4E9",
-    "#8C6D1F",
-    "#000000",
-)
+from jfto.palette import UAV_COLOURS
+
 UAV_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 UAV_DASHES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)))
 ALGORITHM_STYLES: dict[str, dict[str, Any]] = {
@@ -48,11 +38,6 @@ _SETTINGS: Any = {
     "figure.constrained_layout.use": True,
     "pdf.fonttype": 42,
 }
-
-
-def uav_colour(index: int) -> str:
-    """Colour of a UAV, the same in every figure."""
-    return UAV_COLOURS[index % len(UAV_COLOURS)]
 
 
 def uav_marker(index: int) -> str:

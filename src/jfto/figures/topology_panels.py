@@ -12,10 +12,10 @@ from jfto.figures.style import (
     PAGE_WIDTH_IN,
     new_figure,
     styled,
-    uav_colour,
     uav_marker,
     uav_marker_size,
 )
+from jfto.palette import uav_colour
 from jfto_msgs_py.plan import Plan
 from jfto_world.terrain import Dem
 

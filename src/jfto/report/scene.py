@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from jfto.comparison import AlgorithmResult, Comparison
 from jfto.figures.relief import drawn_extent, sampled_ground
-from jfto.figures.style import uav_colour
 from jfto.flown import flown
+from jfto.palette import uav_colour
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.units import dbm_to_w, ratio_to_db
 from jfto_world.terrain import Dem

@@ -10,8 +10,8 @@ import numpy as np
 
 from jfto.comparison import OURS, Comparison
 from jfto.export import active_text, paper_ratios, throughput_ratios
-from jfto.figures.style import uav_colour
 from jfto.flight_spread import Spread
+from jfto.palette import uav_colour
 from jfto.paper import PAPER
 from jfto_msgs_py.plan import Plan
 

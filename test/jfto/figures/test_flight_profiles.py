@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from jfto.figures.flight_profiles import flight_profiles
-from jfto.figures.style import uav_colour
+from jfto.palette import uav_colour
 from jfto.stages.survey import Survey
 from jfto_msgs_py.plan import Plan
 

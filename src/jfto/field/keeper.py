@@ -1,0 +1,214 @@
+"""Keeps what a running flight tells, and makes the field screen's state of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jfto.field import phases
+from jfto.field.state import ERROR, INFO, WARNING, FieldEvent, FieldState, LinkField, UavField
+from jfto_msgs_py.network import Adjacency
+from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.ros.events import ERROR as ERROR_LEVEL
+from jfto_msgs_py.ros.events import WARN, Event
+from jfto_msgs_py.units import dbm_to_w, ratio_to_db
+from jfto_msgs_py.vehicle import VehiclePose
+from jfto_planner.plan_trajectory import timed_trajectories
+from jfto_power.horizon import EnergyBook
+from jfto_topology.metrics import components
+from jfto_world.motion.fleet_prediction import FleetPrediction
+from jfto_world.radio import make_channel, pairwise_distances
+
+# Enough for any screen; all events are in the bag.
+_EVENTS_KEPT = 500
+
+
+class FieldKeeper:
+    """Feed it records as messages come, and ask for `state` whenever the screen is drawn.
+
+    Times are ns since the epoch on the vehicles' clock. Not safe across threads.
+    """
+
+    def __init__(self, plan: Plan, title: str) -> None:
+        self._plan, self._title = plan, title
+        self._ids = tuple(uav.id for uav in plan.uavs)
+        self._channel = make_channel(plan.radio)
+        self._sensitivity_w = float(dbm_to_w(plan.radio.sensitivity_dbm))
+        self._prediction = FleetPrediction()
+        self._book = EnergyBook({uav.id: uav.energy_j for uav in plan.uavs})
+        self._start_ns: int | None = None
+        self._poses: dict[str, VehiclePose] = {}
+        self._power_w: dict[str, float] = {}
+        self._drained_j: dict[str, float] = {}
+        self._battery: dict[str, float] = {}
+        self._landed: set[str] = set()
+        self._adjacency: Adjacency | None = None
+        self._events: list[Event] = []
+
+    def take_lift_off(self, start_ns: int) -> None:
+        """The flight began; powers in force cost energy from here on."""
+        if start_ns == self._start_ns:
+            return
+        self._start_ns = start_ns
+        for uav, trajectory in timed_trajectories(self._plan, start_ns).items():
+            self._prediction.set_trajectory(uav, trajectory)
+        self._book = EnergyBook({uav.id: uav.energy_j for uav in self._plan.uavs})
+        self._book.set_powers(start_ns, self._power_w)
+
+    def take_pose(self, uav: str, pose: VehiclePose) -> None:
+        """A measured pose; one older than the last is ignored."""
+        if self._prediction.set_pose(uav, pose):
+            self._poses[uav] = pose
+
+    def take_power(self, uav: str, dbm: float, now_ns: int) -> None:
+        """The power that is in force from now on, -inf for silence."""
+        self._power_w[uav] = float(dbm_to_w(dbm))
+        if self._start_ns is not None:
+            self._book.set_powers(now_ns, {uav: self._power_w[uav]})
+
+    def take_drained(self, uav: str, joules: float) -> None:
+        """Energy that the radio is measured to have used; it counts instead of our own book."""
+        self._drained_j[uav] = joules
+
+    def take_battery(self, uav: str, share: float) -> None:
+        """Flight battery, 0 to 1 as in sensor_msgs/BatteryState; not a number where unknown."""
+        if np.isfinite(share):
+            self._battery[uav] = 100 * share
+
+    def take_adjacency(self, adjacency: Adjacency) -> None:
+        """Active links of the slots ahead."""
+        self._adjacency = adjacency
+
+    def take_event(self, event: Event) -> None:
+        """What happened; one that comes twice, as from a node's memory, is taken once."""
+        if event in self._events:
+            return
+        self._events = [*self._events, event][-_EVENTS_KEPT:]
+        if event.kind == "landed":
+            self._landed |= {event.uav_id} if event.uav_id else set(self._ids)
+
+    def state(self, now_ns: int, doing: str = "") -> FieldState:
+        """How everything stands; `doing` says what the fleet is at, found out where empty."""
+        clock_s = None if self._start_ns is None else (now_ns - self._start_ns) / 1e9
+        spare_db = self._spare_db()
+        slot, active = self._current(now_ns)
+        if self._start_ns is not None:
+            self._book.advance(now_ns)
+        uavs = tuple(
+            self._uav(index, now_ns, clock_s, spare_db, active) for index in range(len(self._ids))
+        )
+        if slot < 0 and clock_s is not None and clock_s >= 0:
+            slot = min(int(clock_s / self._plan.slots.duration_s), self._plan.slots.count)
+        return FieldState(
+            title=self._title,
+            doing=doing or phases.fleet_doing(clock_s, uavs),
+            clock_s=clock_s,
+            horizon_s=self._plan.slots.horizon_s,
+            slot=slot,
+            slot_count=self._plan.slots.count,
+            k_min=self._plan.k_min,
+            parts=self._parts(uavs, spare_db),
+            uavs=uavs,
+            events=tuple(self._field_event(event) for event in self._events),
+        )
+
+    def _uav(
+        self,
+        index: int,
+        now_ns: int,
+        clock_s: float | None,
+        spare_db: NDArray[np.float64],
+        active: NDArray[np.bool_] | None,
+    ) -> UavField:
+        uav, route = self._plan.uavs[index], self._plan.routes[index]
+        pose = self._poses.get(uav.id)
+        age_s = None if pose is None else max((now_ns - pose.stamp_ns) / 1e9, 0.0)
+        arrivals = np.array(route.arrival_s)
+        late_s = next_in_s = None
+        done = 0
+        if clock_s is not None and clock_s >= 0 and age_s is not None:
+            late_s = self._prediction.lag_s(uav.id)
+            # Nobody knows how far a silent one has come since.
+            done = int(np.searchsorted(arrivals, clock_s - age_s - late_s, side="right"))
+            if done < len(arrivals):
+                next_in_s = float(arrivals[done]) + late_s - clock_s
+        phase = phases.phase_of(
+            self._plan, index, pose, age_s, clock_s, done, landed=uav.id in self._landed
+        )
+        return UavField(
+            id=uav.id,
+            index=index,
+            phase=phase,
+            done=done,
+            total=len(arrivals),
+            next_in_s=next_in_s,
+            late_s=late_s,
+            energy_left_j=self._energy_left_j(uav.id, uav.energy_j),
+            energy_budget_j=uav.energy_j,
+            battery_percent=self._battery.get(uav.id),
+            tx_dbm=self._tx_dbm(uav.id),
+            links=self._links(index, spare_db, active),
+            age_s=age_s,
+        )
+
+    def _energy_left_j(self, uav: str, budget_j: float) -> float:
+        if uav in self._drained_j:
+            return budget_j - self._drained_j[uav]
+        return self._book.left_j[uav]
+
+    def _tx_dbm(self, uav: str) -> float | None:
+        power_w = self._power_w.get(uav)
+        return None if power_w is None else float(ratio_to_db(power_w)) + 30.0
+
+    def _spare_db(self) -> NDArray[np.float64]:
+        """What each link could lose at the powers in force (A, A); nan where it is not known."""
+        count = len(self._ids)
+        places = np.full((count, 3), np.nan)
+        power_w = np.full(count, np.nan)
+        for index, uav in enumerate(self._ids):
+            if uav in self._poses:
+                places[index] = self._poses[uav].position_m
+            power_w[index] = self._power_w.get(uav, np.nan)
+        gain = self._channel.gain(pairwise_distances(places))
+        received_w = np.minimum(power_w[:, None], power_w[None, :]) * gain
+        return np.asarray(ratio_to_db(received_w / self._sensitivity_w))
+
+    def _current(self, now_ns: int) -> tuple[int, NDArray[np.bool_] | None]:
+        """The slot under way and its active links, as published; -1 and None where none is."""
+        adjacency = self._adjacency
+        if adjacency is None or adjacency.uav_ids != self._ids:
+            return -1, None
+        instants = adjacency.horizon.instants_ns
+        row = int(np.searchsorted(instants, now_ns, side="right")) - 1
+        row = min(max(row, 0), adjacency.horizon.count - 1)
+        return adjacency.horizon.first + row, adjacency.links[row]
+
+    def _links(
+        self, index: int, spare_db: NDArray[np.float64], active: NDArray[np.bool_] | None
+    ) -> tuple[LinkField, ...]:
+        """Active links with what they can lose; before there is a topology, whoever hears whom."""
+        found = []
+        for other, name in enumerate(self._ids):
+            spare = float(spare_db[index, other])
+            wanted = spare >= 0 if active is None else bool(active[index, other])
+            if other != index and wanted and np.isfinite(spare):
+                found.append(LinkField(name, spare))
+        return tuple(found)
+
+    def _parts(self, uavs: Sequence[UavField], spare_db: NDArray[np.float64]) -> int:
+        present = np.array([uav.phase in phases.IN_THE_AIR for uav in uavs])
+        if not present.any():
+            present = np.array([uav.phase in phases.HEARD for uav in uavs])
+        known = np.isfinite(np.where(np.eye(len(uavs), dtype=np.bool_), 0.0, spare_db)).any(axis=1)
+        present &= known
+        linked = spare_db >= 0
+        np.fill_diagonal(linked, val=False)
+        label = components(linked[None], present[None])
+        return int(label.max(initial=-1)) + 1 if self._power_w else 0
+
+    def _field_event(self, event: Event) -> FieldEvent:
+        at_s = None if self._start_ns is None else (event.stamp_ns - self._start_ns) / 1e9
+        level = INFO if event.level < WARN else WARNING if event.level < ERROR_LEVEL else ERROR
+        return FieldEvent(at_s, level, event.uav_id, event.kind, event.text)

@@ -1,0 +1,112 @@
+"""What the field screen shows, at one moment."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+# What a UAV does, in the words that the operator reads.
+UNHEARD, PAD, FLYING, HOLDING, HOME, LANDED, SILENT = (
+    "not heard",
+    "on pad",
+    "flying",
+    "holding",
+    "going home",
+    "landed",
+    "silent",
+)
+INFO, WARNING, ERROR = "info", "warning", "error"
+
+
+@dataclass(frozen=True)
+class LinkField:
+    """A radio neighbour and what the link could lose, dB; below 0 the link is broken."""
+
+    peer: str
+    spare_db: float
+
+
+@dataclass(frozen=True)
+class UavField:
+    """One UAV. None stands for what is not known (yet).
+
+    `index` is its place in the fleet, which decides its colour and mark; `phase` one of the words
+    above; `done` of `total` waypoints are behind it, the next is due in `next_in_s`; `late_s` is
+    positive behind the plan; `age_s` how old the last pose is.
+    """
+
+    id: str
+    index: int
+    phase: str
+    done: int = 0
+    total: int = 0
+    next_in_s: float | None = None
+    late_s: float | None = None
+    energy_left_j: float | None = None
+    energy_budget_j: float | None = None
+    battery_percent: float | None = None
+    tx_dbm: float | None = None
+    links: tuple[LinkField, ...] = ()
+    age_s: float | None = None
+
+    @property
+    def neighbours(self) -> int:
+        """Links that hold."""
+        return sum(link.spare_db >= 0 for link in self.links)
+
+    @property
+    def energy_share(self) -> float | None:
+        """Energy left for transmitting, 0 to 1."""
+        if self.energy_left_j is None or not self.energy_budget_j:
+            return None
+        return max(self.energy_left_j / self.energy_budget_j, 0.0)
+
+
+@dataclass(frozen=True)
+class FieldEvent:
+    """What happened and what was done about it, `at_s` seconds after lift-off (None: before).
+
+    `level` is INFO, WARNING or ERROR; `kind` groups events of one sort.
+    """
+
+    at_s: float | None
+    level: str
+    uav: str
+    kind: str
+    text: str
+
+
+@dataclass(frozen=True)
+class FieldState:
+    """The whole screen.
+
+    `doing` says in a word or two what the fleet is at; `clock_s` counts from lift-off, None before
+    it; `slot` of `slot_count` is under way, -1 before the first. `parts` is the number of pieces
+    that the links leave the fleet in, 0 where nobody is heard.
+    """
+
+    title: str
+    doing: str
+    clock_s: float | None
+    horizon_s: float
+    slot: int
+    slot_count: int
+    k_min: int
+    parts: int
+    uavs: tuple[UavField, ...]
+    events: tuple[FieldEvent, ...] = ()
+
+    @property
+    def weakest(self) -> tuple[str, str, float] | None:
+        """The link with the least to spare, None without links."""
+        links = [(uav.id, link.peer, link.spare_db) for uav in self.uavs for link in uav.links]
+        return min(links, key=lambda link: link[2], default=None)
+
+    @property
+    def done(self) -> int:
+        """Waypoints behind the fleet."""
+        return sum(uav.done for uav in self.uavs)
+
+    @property
+    def total(self) -> int:
+        """Waypoints of the fleet."""
+        return sum(uav.total for uav in self.uavs)
