@@ -193,7 +193,7 @@ class FieldKeeper:
         for other, name in enumerate(self._ids):
             spare = float(spare_db[index, other])
             wanted = spare >= 0 if active is None else bool(active[index, other])
-            if other != index and wanted and np.isfinite(spare):
+            if other != index and wanted and not np.isnan(spare):
                 found.append(LinkField(name, spare))
         return tuple(found)
 
@@ -201,12 +201,11 @@ class FieldKeeper:
         present = np.array([uav.phase in phases.IN_THE_AIR for uav in uavs])
         if not present.any():
             present = np.array([uav.phase in phases.HEARD for uav in uavs])
-        known = np.isfinite(np.where(np.eye(len(uavs), dtype=np.bool_), 0.0, spare_db)).any(axis=1)
-        present &= known
+        present &= ~np.isnan(np.diagonal(spare_db))
         linked = spare_db >= 0
         np.fill_diagonal(linked, val=False)
         label = components(linked[None], present[None])
-        return int(label.max(initial=-1)) + 1 if self._power_w else 0
+        return int(label.max(initial=-1)) + 1
 
     def _field_event(self, event: Event) -> FieldEvent:
         at_s = None if self._start_ns is None else (event.stamp_ns - self._start_ns) / 1e9

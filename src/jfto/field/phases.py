@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from jfto.field.state import FLYING, HOLDING, HOME, LANDED, PAD, SILENT, UNHEARD, UavField
 from jfto_msgs_py.plan import Plan
@@ -30,25 +31,26 @@ def phase_of(
     landed: bool,
 ) -> str:
     """One of the words of `state`; `clock_s` counts from lift-off, `done` waypoints are past."""
-    if pose is None or age_s is None:
-        return UNHEARD
-    if landed:
-        return LANDED
+    if pose is None or age_s is None or landed:
+        return LANDED if landed else UNHEARD
     if age_s > SILENT_AFTER_S:
         return SILENT
     if clock_s is None or clock_s < 0:
         return PAD
-    route = plan.routes[index].waypoint_ids
-    if done < len(route):
+    if done < len(plan.routes[index].waypoint_ids):
         return FLYING
+    return _after_last(plan, index, np.array(pose.position_m))
+
+
+def _after_last(plan: Plan, index: int, here_m: NDArray[np.float64]) -> str:
+    """What one is at that has done its waypoints."""
     pad = np.array(plan.uavs[index].start_m)
-    here = np.array(pose.position_m)
-    if np.linalg.norm((here - pad)[:2]) < _NEAR_M and here[2] - pad[2] < _ON_GROUND_M:
+    if np.linalg.norm((here_m - pad)[:2]) < _NEAR_M and here_m[2] - pad[2] < _ON_GROUND_M:
         return LANDED
-    last = next(
-        (np.array(one.position_m) for one in plan.waypoints if route and one.id == route[-1]), pad
-    )
-    return HOLDING if np.linalg.norm(here - last) < _NEAR_M else HOME
+    where = {waypoint.id: waypoint.position_m for waypoint in plan.waypoints}
+    route = plan.routes[index].waypoint_ids
+    last = np.array(where[route[-1]]) if route else pad
+    return HOLDING if np.linalg.norm(here_m - last) < _NEAR_M else HOME
 
 
 def fleet_doing(clock_s: float | None, uavs: Sequence[UavField]) -> str:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 
 from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
 from rich.progress_bar import ProgressBar
@@ -14,9 +15,9 @@ from jfto.field import words
 from jfto.field.selection import shown_events, shown_uavs
 from jfto.field.state import FieldState, UavField
 
-# From the first width on there is room for batteries, from the second for bars and the next
-# waypoint; below the last a UAV takes two lines.
-_WIDEST, _WIDE, _NARROW = 120, 96, 72
+# From the first width on there is room for batteries, from the second for bars and phases; below
+# the last a UAV takes two lines.
+_WIDEST, _WIDE, _NARROW = 120, 108, 72
 _MOST_LINKS = 4
 # Lines besides those of UAVs and events: title, bar, network, table's head, rule.
 _FRAME = 6
@@ -86,25 +87,19 @@ class FieldView:
 
 def _table(state: FieldState, uavs: Sequence[UavField], width: int) -> Table:
     wide = width >= _WIDE
-    has_battery = width >= _WIDEST and any(uav.battery_percent is not None for uav in uavs)
+    columns: list[tuple[str, Callable[[UavField], Text]]] = [("UAV", words.name)]
+    columns += [("", words.phase), ("timing", words.timing)] if wide else [("", words.status)]
+    columns += [("waypoints, next", words.waypoint)]
+    columns += [("energy", partial(words.energy, bar=wide))]
+    if width >= _WIDEST and any(uav.battery_percent is not None for uav in uavs):
+        columns += [("battery", words.battery)]
     table = Table(box=None, expand=True, pad_edge=False, header_style=words.SOFT)
-    for title in ("UAV", "", "waypoints", "timing", "energy"):
+    for title, _ in columns:
         table.add_column(title, no_wrap=True)
-    if has_battery:
-        table.add_column("battery", no_wrap=True)
     table.add_column("linked to, dB to spare", ratio=1, no_wrap=True, overflow="ellipsis")
     for uav in uavs:
-        cells = [
-            words.name(uav),
-            words.phase(uav),
-            words.waypoint(uav, with_next=wide),
-            words.timing(uav),
-            words.energy(uav, bar=wide),
-        ]
-        if has_battery:
-            cells.append(words.battery(uav))
-        cells.append(words.links(uav, state.k_min, _MOST_LINKS))
-        table.add_row(*cells)
+        cells = [cell(uav) for _, cell in columns]
+        table.add_row(*cells, words.links(uav, state.k_min, _MOST_LINKS))
     return table
 
 
@@ -113,12 +108,7 @@ def _blocks(state: FieldState, uavs: Sequence[UavField]) -> RenderableType:
     lines = []
     for uav in uavs:
         head = words.name(uav)
-        for part in (
-            words.phase(uav),
-            Text(f"{uav.done}/{uav.total}"),
-            words.timing(uav),
-            words.energy(uav, bar=False),
-        ):
+        for part in (words.status(uav), words.waypoint(uav), words.energy(uav, bar=False)):
             head.append("  ").append_text(part)
         lines += [_line(head), _line(Text("    ").append_text(_few_links(state, uav)))]
     return Group(*lines)

@@ -56,13 +56,18 @@ def phase(uav: UavField) -> Text:
     return Text(words, _PHASE_STYLE.get(uav.phase, ""))
 
 
-def waypoint(uav: UavField, *, with_next: bool) -> Text:
+def waypoint(uav: UavField) -> Text:
     """Waypoints done, and when the next is due."""
     text = Text(f"{uav.done}/{uav.total}")
-    if with_next and uav.phase == FLYING and uav.next_in_s is not None:
+    if uav.phase == FLYING and uav.next_in_s is not None:
         # One that is overdue is due now: how late is said beside it.
-        text.append(f", next {max(uav.next_in_s, 0.0):.0f} s", SOFT)
+        text.append(f", {max(uav.next_in_s, 0.0):.0f} s", SOFT)
     return text
+
+
+def status(uav: UavField) -> Text:
+    """The one thing to know where there is no room for two: timing in flight, else what it does."""
+    return timing(uav) if uav.phase == FLYING else phase(uav)
 
 
 def timing(uav: UavField) -> Text:
@@ -114,6 +119,8 @@ def links(uav: UavField, k_min: int, most: int) -> Text:
 
 def spare(link: LinkField) -> Text:
     """What a link can lose; its style says how much that is, a mark where it is little."""
+    if link.spare_db == float("-inf"):
+        return Text("off✗", BAD)
     if link.spare_db < 0:
         return Text(f"{link.spare_db:.1f}✗", BAD)
     if link.spare_db < TIGHT_DB:

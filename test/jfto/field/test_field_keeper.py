@@ -1,0 +1,124 @@
+"""What the field screen's keeper makes of a flight."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from jfto.field.keeper import FieldKeeper
+from jfto.field.state import FLYING, HOLDING, LANDED, PAD, SILENT, UNHEARD, WARNING
+from jfto.pipeline import Run
+from jfto_msgs_py.network import Adjacency, SlotHorizon
+from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.ros.events import WARN, Event
+from jfto_msgs_py.vehicle import VehiclePose
+from jfto_planner.plan_trajectory import timed_trajectories
+from jfto_world.motion.progress import sample
+
+START_NS = 1_763_776_800 * 10**9
+
+
+@pytest.fixture(scope="module")
+def plan(tiny_run: tuple[Path, Run]) -> Plan:
+    """The tiny scene's plan."""
+    return tiny_run[1].plan
+
+
+def _at(seconds: float) -> int:
+    return START_NS + round(seconds * 1e9)
+
+
+def _fly(keeper: FieldKeeper, plan: Plan, until_s: float, late_s: float = 0.0) -> None:
+    """Poses of the first UAV `late_s` behind the plan, of the others on it, four times a second."""
+    trajectories = timed_trajectories(plan, START_NS)
+    for clock in np.arange(0.0, until_s + 1e-6, 0.25):
+        for index, (uav, one) in enumerate(trajectories.items()):
+            time = clock - (late_s if index == 0 else 0.0)
+            east, north, up = sample(one.offset_ns / 1e9, one.position_m, np.array([time]))[
+                0
+            ].tolist()
+            keeper.take_pose(uav, VehiclePose(_at(float(clock)), (east, north, up), 0.0))
+
+
+def test_a_fleet_on_its_pads_waits(plan: Plan) -> None:
+    """Who was not heard is said to be so, others stand on their pads, nothing is late."""
+    keeper = FieldKeeper(plan, "tiny")
+    keeper.take_pose("uav1", VehiclePose(_at(-9.0), plan.uavs[0].start_m, 0.0))
+    state = keeper.state(_at(-8.0))
+    assert [uav.phase for uav in state.uavs] == [PAD, UNHEARD, UNHEARD, UNHEARD]
+    assert state.doing == "waiting for lift-off"
+    assert (state.clock_s, state.uavs[0].late_s, state.done) == (None, None, 0)
+
+
+def test_a_late_uav_is_seen_to_be_late(plan: Plan) -> None:
+    """Lateness comes from where it is, and its next waypoint is due that much later."""
+    keeper = FieldKeeper(plan, "tiny")
+    keeper.take_lift_off(START_NS)
+    middle = 0.5 * plan.slots.horizon_s
+    _fly(keeper, plan, middle, late_s=4.0)
+    first, second, *_ = keeper.state(_at(middle)).uavs
+    assert first.late_s == pytest.approx(4.0, abs=0.5)
+    assert second.late_s == pytest.approx(0.0, abs=0.3)
+    assert first.phase == FLYING
+    arrivals = np.array(plan.routes[0].arrival_s)
+    assert first.done == (arrivals <= middle - 4.0).sum()
+    assert first.next_in_s == pytest.approx(arrivals[first.done] + 4.0 - middle, abs=0.5)
+
+
+def test_who_has_done_all_holds_and_who_is_silent_is_said_to_be(plan: Plan) -> None:
+    """At the end all hold or fly; three seconds without a pose are silence; landed is landed."""
+    keeper = FieldKeeper(plan, "tiny")
+    keeper.take_lift_off(START_NS)
+    end = plan.slots.horizon_s + 0.5
+    _fly(keeper, plan, end)
+    assert {uav.phase for uav in keeper.state(_at(end)).uavs} == {HOLDING}
+    assert keeper.state(_at(end)).done == 12
+    keeper.take_event(Event(_at(end), 20, "mavlink_bridge", "landed", "uav1", "down"))
+    phases = [uav.phase for uav in keeper.state(_at(end + 4.0)).uavs]
+    assert phases == [LANDED, SILENT, SILENT, SILENT]
+
+
+def test_links_are_those_of_the_slot_with_what_they_can_lose(plan: Plan) -> None:
+    """Two at 100 m: the weaker power less the path loss less the sensitivity, by hand."""
+    keeper = FieldKeeper(plan, "tiny")
+    for index, (uav, east) in enumerate((("uav1", 0.0), ("uav2", 100.0), ("uav3", 200.0))):
+        keeper.take_pose(uav, VehiclePose(_at(0.0), (east, 0.0, 50.0), 0.0))
+        keeper.take_power(uav, 20.0 + index, _at(0.0))
+    state = keeper.state(_at(0.0))
+    radio = plan.radio
+    loss_db = 20 * np.log10(4 * np.pi * 100.0 * radio.frequency_hz / 299_792_458.0)
+    gains_db = radio.gain_tx_dbi + radio.gain_rx_dbi - radio.fade_margin_db
+    expected = 20.0 + gains_db - loss_db - radio.sensitivity_dbm
+    assert state.uavs[0].links[0].spare_db == pytest.approx(expected, abs=1e-6)
+    assert state.parts == 1
+    links = np.zeros((2, 4, 4), dtype=np.bool_)
+    links[1, 0, 2] = links[1, 2, 0] = True
+    ids = ("uav1", "uav2", "uav3", "uav4")
+    keeper.take_adjacency(Adjacency(SlotHorizon(4, _at(0.0), 2.0, 2), ids, links))
+    later = keeper.state(_at(2.5))
+    assert [link.peer for link in later.uavs[0].links] == ["uav3"]
+    assert later.slot == 5
+
+
+def test_energy_is_charged_from_lift_off(plan: Plan) -> None:
+    """1 W for 30 s costs 30 J; what the radio is measured to have used counts instead."""
+    keeper = FieldKeeper(plan, "tiny")
+    keeper.take_power("uav1", 30.0, _at(-60.0))
+    keeper.take_lift_off(START_NS)
+    assert keeper.state(_at(30.0)).uavs[0].energy_left_j == pytest.approx(200.0 - 30.0)
+    keeper.take_drained("uav1", 42.0)
+    assert keeper.state(_at(30.0)).uavs[0].energy_left_j == pytest.approx(158.0)
+
+
+def test_events_are_taken_once_and_timed_from_lift_off(plan: Plan) -> None:
+    """A latched event that comes again, as after a restart, is not shown twice."""
+    keeper = FieldKeeper(plan, "tiny")
+    event = Event(_at(12.0), WARN, "power_node", "energy", "uav2", "uav2 runs short")
+    keeper.take_event(event)
+    keeper.take_event(event)
+    assert keeper.state(_at(20.0)).events[0].at_s is None
+    keeper.take_lift_off(START_NS)
+    (shown,) = keeper.state(_at(20.0)).events
+    assert (shown.at_s, shown.level, shown.uav) == (12.0, WARNING, "uav2")
