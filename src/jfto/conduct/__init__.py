@@ -1,0 +1,1 @@
+"""Takes a fleet through its flight: link, upload, check, start, follow, home."""

@@ -1,0 +1,31 @@
+"""What the conductor wants done."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from jfto_msgs_py.ros.events import ERROR, INFO, WARN
+
+
+@dataclass(frozen=True)
+class Order:
+    """Call the mission service of a verb; whatever comes of it is told to the conductor."""
+
+    verb: str
+
+
+@dataclass(frozen=True)
+class Tell:
+    """Tell the operator a line; `level` is INFO, WARN or ERROR."""
+
+    text: str
+    level: int = INFO
+
+
+@dataclass(frozen=True)
+class Ask:
+    """Ask the operator for the word that lets the fleet arm."""
+
+
+Action = Order | Tell | Ask
+__all__ = ["ERROR", "INFO", "WARN", "Action", "Ask", "Order", "Tell"]

@@ -1,0 +1,313 @@
+"""The flight as a state machine: it hears what is seen and answered, and says what is to be done.
+
+It knows no ROS and no clock of its own. Every state has an end in time, and every end says in one
+line what happened and what state the vehicles are in.
+"""
+
+from __future__ import annotations
+
+from enum import Enum
+
+from jfto.conduct.actions import ERROR, WARN, Action, Ask, Order, Tell
+from jfto.conduct.outcome import Ending, Outcome
+from jfto.conduct.seen import Seen
+from jfto.conduct.settings import ARM, UPLOAD, ConductSettings
+
+
+class Stage(Enum):
+    """Where the flight stands."""
+
+    LINK = "linking"
+    UPLOAD = "uploading"
+    CHECK = "checking"
+    CONFIRM = "waiting for the word"
+    START = "starting"
+    FLY = "flying"
+    HOME = "going home"
+    OVER = "over"
+
+
+# Stages before which nothing has been told to arm.
+_EARLY = (Stage.LINK, Stage.UPLOAD, Stage.CHECK, Stage.CONFIRM)
+_VERBS = {Stage.UPLOAD: "upload", Stage.CHECK: "check", Stage.START: "start", Stage.HOME: "abort"}
+
+
+class Conductor:
+    """Feed `step` with what is seen, `answered`, `confirmed`, `interrupt` and `bridge_died` as it
+    happens, and do what `actions` returns. `outcome` is there in the end.
+    """
+
+    def __init__(self, settings: ConductSettings) -> None:
+        self.settings = settings
+        self.stage = Stage.LINK
+        self.outcome: Outcome | None = None
+        self._seen = Seen(0.0, 0.0, "not started", planned=False)
+        self._since: tuple[float, float] | None = None
+        self._actions: list[Action] = []
+        self._pending = ""
+        self._ordered_s = self._again_s = 0.0
+        self._lost_answer = False
+        self._interrupted = self._flown = False
+        self._why = ""
+        # Who has been seen armed since the fleet was told to start.
+        self._risen: set[str] = set()
+
+    def actions(self) -> list[Action]:
+        """What is to be done now, each once."""
+        actions, self._actions = self._actions, []
+        return actions
+
+    def step(self, seen: Seen) -> None:
+        """Look at the fleet; call it a few times a second."""
+        self._seen = seen
+        if self._since is None:
+            self._since = (seen.now_s, seen.fleet_s)
+        if self.stage not in _EARLY:
+            self._risen |= {name for name, uav in seen.uavs.items() if uav.heard and uav.armed}
+        if self._pending and seen.now_s - self._ordered_s > self._limit_s():
+            self._overdue()
+        elif self._lost_answer:
+            self._go_on_after_a_restart()
+        elif self.stage == Stage.LINK:
+            self._link()
+        elif self.stage == Stage.FLY:
+            self._fly()
+        elif self.stage == Stage.HOME:
+            self._home()
+
+    def answered(self, verb: str, *, success: bool, text: str) -> None:
+        """An order's answer has come."""
+        if verb != self._pending:
+            return
+        self._pending = ""
+        if verb == "abort":
+            if not success:
+                self._tell(f"Home was ordered, not all obeyed yet: {text} Ordering again.", ERROR)
+            return
+        if success:
+            self._tell(text)
+            self._succeeded()
+        elif self.stage == Stage.START:
+            # A start that was broken off calls the others home; they are followed down.
+            self._turn_home(f"The start was refused: {text}", order=not self._seen.all_down)
+        else:
+            self._end(Ending.REFUSED, f"{text} Nothing was armed.")
+
+    def confirmed(self, *, yes: bool) -> None:
+        """The operator has given the word to arm, or has not."""
+        if self.stage != Stage.CONFIRM:
+            return
+        if yes:
+            self._enter(Stage.START)
+        else:
+            self._end(Ending.REFUSED, "The word was not given. Nothing was armed.")
+
+    def interrupt(self) -> None:
+        """The operator pressed Ctrl-C: home first, and at the second time out."""
+        if self.outcome is not None:
+            return
+        self._interrupted = True
+        if self.stage in _EARLY:
+            self._end(Ending.REFUSED, f"Interrupted while {self.stage.value}. Nothing was armed.")
+        elif self.stage == Stage.HOME:
+            self._end(
+                Ending.LEFT,
+                f"Left while {self._up() or 'nobody'} was on the way home: that goes on by itself, "
+                "and nobody follows it.",
+            )
+        else:
+            self._turn_home("Ctrl-C: home was ordered, and the fleet is followed until it is down.")
+
+    def bridge_died(self) -> None:
+        """The bridge's process has ended and comes back: the answer of an order is lost."""
+        if self._pending:
+            self._lost_answer, self._pending = True, ""
+
+    def gave_up(self, text: str) -> None:
+        """A process that nothing goes on without cannot be kept up."""
+        if self.outcome is not None:
+            return
+        if self.stage in _EARLY:
+            self._end(Ending.REFUSED, f"{text} Nothing was armed.")
+        else:
+            self._end(
+                Ending.LOST,
+                f"{text} Vehicles in the air finish their missions and return by themselves.",
+            )
+
+    # --- stages
+
+    def _link(self) -> None:
+        seen = self._seen
+        if seen.all_heard and seen.planned:
+            self._tell(f"{len(seen.uavs)} vehicles linked")
+            self._enter(Stage.UPLOAD)
+        elif self._wall_s() > self.settings.patience.link_s:
+            silent = [name for name, uav in seen.uavs.items() if not uav.heard]
+            why = seen.note or (f"{', '.join(silent)} not heard" if silent else "no plan came")
+            self._end(
+                Ending.REFUSED,
+                f"Not linked within {self.settings.patience.link_s:.0f} s: {why}. Nothing was "
+                "armed.",
+            )
+
+    def _succeeded(self) -> None:
+        """The order of this stage was carried out."""
+        until, stage = self.settings.until, self.stage
+        if stage == Stage.UPLOAD and until == UPLOAD:
+            self._end(Ending.DRY, "Missions are on board and verified. Nothing was armed.")
+        elif stage == Stage.UPLOAD and (until == ARM or self.settings.ask):
+            self._enter(Stage.CHECK)
+        elif stage == Stage.CHECK and until == ARM:
+            self._end(Ending.DRY, "The fleet would arm: every check passed. Nothing was armed.")
+        elif stage == Stage.CHECK:
+            self._enter(Stage.CONFIRM)
+            self._actions.append(Ask())
+        elif stage == Stage.UPLOAD:
+            self._enter(Stage.START)
+        elif stage == Stage.START:
+            self._enter(Stage.FLY)
+
+    def _fly(self) -> None:
+        if self._everybody_ended():
+            gone = self._up()
+            if gone:
+                self._turn_home(
+                    f"{gone} silent for {self.settings.lost_s:.0f} s: home was ordered."
+                )
+            else:
+                self._land()
+        elif self._over_time(self.settings.flight_s):
+            self._turn_home(
+                f"{self._up()} did not land within {self.settings.flight_s:.0f} s: home was "
+                "ordered."
+            )
+        elif not self.settings.ends_itself and self._fleet_s() > self.settings.plan_s:
+            self._turn_home("")
+
+    def _home(self) -> None:
+        seen = self._seen
+        if self._everybody_ended() and not self._pending:
+            self._land()
+        elif self._over_time(self.settings.home_s):
+            self._end(
+                Ending.LOST,
+                f"{self._why} {self._up()} not known to be down {self.settings.home_s:.0f} s "
+                "after home was ordered. Look for them; jfto mission order return calls again.",
+            )
+        elif not self._pending and seen.now_s >= self._again_s and self._needs_home():
+            self._order("abort")
+
+    def _land(self) -> None:
+        """Nobody flies any more that is heard: say who is down and who is not heard."""
+        gone, count = self._up(), len(self._seen.uavs)
+        down = sum(uav.down for uav in self._seen.uavs.values())
+        if gone:
+            text = f"{self._why} {down} of {count} vehicles are down; {gone} is left to its own "
+            self._end(Ending.LOST, f"{text}failsafes.".strip())
+        elif not self._risen:
+            self._end(Ending.REFUSED, f"{self._why} Nobody flew, and all are disarmed.".strip())
+        elif self._why:
+            self._end(Ending.ABORTED, f"{self._why} All {down} vehicles are down and disarmed.")
+        else:
+            self._end(Ending.LANDED, f"All {down} vehicles are down and disarmed.")
+
+    # --- when things go wrong
+
+    def _overdue(self) -> None:
+        verb, self._pending = self._pending, ""
+        text = f"{verb}: no answer within {self._limit_s(verb):.0f} s."
+        if verb == "abort":
+            self._again_s = self._seen.now_s
+            self._tell(f"{text} Ordering home again.", ERROR)
+        elif self.stage == Stage.START:
+            self._turn_home(f"{text} Home was ordered.")
+        else:
+            self._end(Ending.REFUSED, f"{text} Nothing was armed.")
+
+    def _go_on_after_a_restart(self) -> None:
+        """The bridge is up again: repeat what can be repeated, find out what else was done."""
+        seen = self._seen
+        if not seen.all_heard:
+            if self._wall_s() > self.settings.patience.link_s + self.settings.patience.order_s:
+                self._lost_answer = False
+                self.gave_up("The bridge died and did not find all vehicles again.")
+            return
+        self._lost_answer = False
+        verb = _VERBS[self.stage]
+        if self.stage != Stage.START or seen.all_down:
+            self._tell(f"The bridge died during {verb}; it is back, and {verb} is repeated.", WARN)
+            self._order(verb)
+        elif all(uav.armed and uav.mode == "AUTO" for uav in seen.uavs.values()):
+            self._tell("The bridge died during the start; it is back, and all fly.", WARN)
+            self._enter(Stage.FLY)
+        else:
+            self._turn_home("The bridge died during the start, with some armed: home was ordered.")
+
+    def _turn_home(self, why: str, *, order: bool = True) -> None:
+        self._why = self._why or why
+        if why:
+            self._tell(why, WARN)
+        self._pending, self._lost_answer = "", False
+        self._enter(Stage.HOME)
+        if order:
+            self._order("abort")
+
+    def _needs_home(self) -> bool:
+        """Whether somebody who is heard flies and is not on the way home or down."""
+        return any(
+            uav.heard and uav.armed and uav.mode not in {"RTL", "LAND", "SMART_RTL"}
+            for uav in self._seen.uavs.values()
+        )
+
+    # --- what all of them use
+
+    def _enter(self, stage: Stage) -> None:
+        self.stage = stage
+        self._since = (self._seen.now_s, self._seen.fleet_s)
+        self._flown |= stage == Stage.START
+        if stage in _VERBS and stage != Stage.HOME:
+            self._order(_VERBS[stage])
+
+    def _order(self, verb: str) -> None:
+        self._pending, self._ordered_s = verb, self._seen.now_s
+        self._again_s = self._seen.now_s + self.settings.patience.again_s
+        self._actions.append(Order(verb))
+
+    def _tell(self, text: str, level: int = 20) -> None:
+        self._actions.append(Tell(text, level))
+
+    def _end(self, ending: Ending, text: str) -> None:
+        self.stage, self._pending = Stage.OVER, ""
+        self.outcome = Outcome(ending, text, self._interrupted, self._flown)
+
+    def _everybody_ended(self) -> bool:
+        """Whether everybody is down, or silent for so long that nobody waits any more.
+
+        Right after an order what is seen may be older than the order.
+        """
+        seen = self._seen
+        if seen.note or not seen.uavs:
+            return False
+        settled = self._wall_s() > self.settings.patience.settle_s
+        return all(
+            (uav.down and (settled or name in self._risen)) or uav.silent_s > self.settings.lost_s
+            for name, uav in seen.uavs.items()
+        )
+
+    def _up(self) -> str:
+        """Who is not known to be down, "" if all are."""
+        return ", ".join(name for name, uav in self._seen.uavs.items() if not uav.down)
+
+    def _wall_s(self) -> float:
+        return self._seen.now_s - (self._since or (self._seen.now_s, 0.0))[0]
+
+    def _fleet_s(self) -> float:
+        return self._seen.fleet_s - (self._since or (0.0, self._seen.fleet_s))[1]
+
+    def _over_time(self, fleet_s: float) -> bool:
+        return self._fleet_s() > fleet_s or self._wall_s() > self.settings.wall_s(fleet_s)
+
+    def _limit_s(self, verb: str = "") -> float:
+        patience = self.settings.patience
+        return patience.abort_s if (verb or self._pending) == "abort" else patience.order_s

@@ -1,0 +1,52 @@
+"""How a flight is conducted, and how long anything is waited for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+UPLOAD, ARM, LANDED = "upload", "arm", "landed"
+
+
+@dataclass(frozen=True)
+class Patience:
+    """Longest waits, in seconds of this computer; they include the vehicles' own time-outs.
+
+    `order_s` is for an order's answer, `again_s` between two tries of an abort, `settle_s` for what
+    was ordered to show.
+    """
+
+    link_s: float = 90.0
+    order_s: float = 300.0
+    abort_s: float = 60.0
+    again_s: float = 5.0
+    settle_s: float = 8.0
+
+
+@dataclass(frozen=True)
+class ConductSettings:
+    """`until` is UPLOAD, ARM or LANDED; `ask` lets the operator decide before anything arms.
+
+    A flight may take `flight_s` and the way home `home_s` of the vehicles' time, and as this
+    computer counts `wall_factor` times that over `speedup`. Without `ends_itself` the fleet is
+    called home once its waypoints are done or the plan's `plan_s` are over. A vehicle silent for
+    `lost_s` of its time is given up; its own failsafes act.
+    """
+
+    plan_s: float
+    until: str = LANDED
+    ask: bool = False
+    speedup: float = 1.0
+    ends_itself: bool = True
+    home_s: float = 600.0
+    lost_s: float = 120.0
+    wall_factor: float = 4.0
+    patience: Patience = Patience()
+
+    @property
+    def flight_s(self) -> float:
+        """Longest flight, in s of the vehicles' time."""
+        return 1.5 * self.plan_s + self.home_s
+
+    def wall_s(self, fleet_s: float) -> float:
+        """How long this computer waits for so much of the vehicles' time."""
+        return 30.0 + self.wall_factor * fleet_s / self.speedup
