@@ -8,12 +8,14 @@ from jfto_msgs_py.scenario import Key
 from jfto_msgs_py.scenario.options import option_keys
 from jfto_planner.planner_options import PlannerOptions
 from jfto_power.power_options import PowerOptions
+from jfto_power.radio_options import RadioOptions
 from jfto_topology.topology_options import TopologyOptions
 
 NODE_OPTIONS: dict[str, dict[str, Key]] = {
     "planner_node": option_keys(PlannerOptions),
     "topology_node": option_keys(TopologyOptions),
     "power_node": option_keys(PowerOptions),
+    "radio_node": option_keys(RadioOptions),
     "pose_player": option_keys(PosePlayerOptions),
     "mavlink_bridge": option_keys(BridgeOptions),
 }

@@ -52,6 +52,14 @@ def power_node(arguments: Arguments = None) -> int:
     return _run(PowerNode, arguments)
 
 
+def radio_node(arguments: Arguments = None) -> int:
+    """Run the radio node."""
+    use_stand_in_where_needed()
+    from jfto_power.radio_node import RadioNode
+
+    return _run(RadioNode, arguments)
+
+
 def pose_player(arguments: Arguments = None) -> int:
     """Run the pose player."""
     use_stand_in_where_needed()
@@ -73,6 +81,7 @@ NODES = {
     "planner_node": planner_node,
     "topology_node": topology_node,
     "power_node": power_node,
+    "radio_node": radio_node,
     "pose_player": pose_player,
     "mavlink_bridge": mavlink_bridge,
 }

@@ -17,7 +17,14 @@ from jfto_msgs_py.scenario.suggest import nearest
 from jfto_msgs_py.scenario.value import check_value
 
 SHARED = "/**"
-NODES = ("planner_node", "topology_node", "power_node", "pose_player", "mavlink_bridge")
+NODES = (
+    "planner_node",
+    "topology_node",
+    "power_node",
+    "radio_node",
+    "pose_player",
+    "mavlink_bridge",
+)
 # Parameters of ROS itself, which a file may set beside ours.
 ROS_KEYS = ("use_sim_time",)
 _SIZE_LIMIT = 1_000_000

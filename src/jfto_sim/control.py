@@ -9,6 +9,8 @@ battery 1 10.2                                volts
 wind 1 5 270                                  m/s, degrees it comes from
 drift 1 50                                    clock drift, parts per million
 reboot 1 | kill 1                             restart; power off
+radio 1 | radio 1 23.5                        power that is set, dBm; set it (-inf: silence)
+radio 1 dead | radio 1 stuck | radio 1 mend   it sends nothing; it obeys no more; it is well again
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ from jfto_msgs_py.errors import InputError
 from jfto_sim.faults import LinkFaults
 
 if TYPE_CHECKING:
+    from jfto_sim.air import FleetAir
     from jfto_sim.server import Station
 
 _LINK_FIELDS = {f.name for f in fields(LinkFaults)}
@@ -38,8 +41,11 @@ def _number(text: str, what: str) -> float:
         raise InputError(f"{what} is '{text}', must be a number.") from None
 
 
-def apply(stations: dict[int, Station], line: str) -> None:
-    """Carry out one line; raises InputError that says what is wrong with it."""
+def apply(stations: dict[int, Station], line: str, air: FleetAir | None = None) -> str:
+    """Carry out one line; raises InputError that says what is wrong with it.
+
+    Returns what there is to say, "" for most. `air` has the radios, in the order of the stations.
+    """
     words = line.split()
     if len(words) < 2 or not words[1].isdigit():
         raise InputError(f"'{line}' must be: fault, vehicle number, values.")
@@ -47,6 +53,15 @@ def apply(stations: dict[int, Station], line: str) -> None:
     station = stations.get(int(words[1]))
     if station is None:
         raise InputError(f"There is no vehicle {words[1]}; there are {sorted(stations)}.")
+    if verb == "radio":
+        if air is None:
+            raise InputError("These vehicles carry no radios: start them from a plan.")
+        return air.order(list(stations).index(int(words[1])), rest)
+    _fault(station, verb, rest, line)
+    return ""
+
+
+def _fault(station: Station, verb: str, rest: list[str], line: str) -> None:
     params = station.vehicle.params
     if verb == "link":
         _link(station, rest)

@@ -14,6 +14,7 @@ from typing import Any
 
 from jfto_msgs_py.errors import InputError, JftoError
 from jfto_sim import control
+from jfto_sim.air import FleetAir
 from jfto_sim.config import VehicleConfig
 from jfto_sim.endpoint import Endpoint, EndpointSpec
 from jfto_sim.faults import LinkFaults, LossyPipe
@@ -107,9 +108,17 @@ def default_endpoints(count: int, host: str = "127.0.0.1") -> tuple[tuple[str, .
 
 
 class SimServer:
-    """Runs vehicles in one thread of its own; everything else talks to them through `call`."""
+    """Runs vehicles in one thread of its own; everything else talks to them through `call`.
 
-    def __init__(self, configs: Sequence[VehicleConfig], settings: ServerSettings) -> None:
+    `air`, where given, lies between the radios of all vehicles in their order.
+    """
+
+    def __init__(
+        self,
+        configs: Sequence[VehicleConfig],
+        settings: ServerSettings,
+        air: FleetAir | None = None,
+    ) -> None:
         if not settings.speedup > 0:
             raise InputError(f"speedup is {settings.speedup}, must be positive.")
         if len(configs) != len(settings.endpoints):
@@ -117,6 +126,7 @@ class SimServer:
                 f"{len(configs)} vehicles but endpoints for {len(settings.endpoints)}."
             )
         self.settings = settings
+        self.air = air
         self.stations: dict[int, Station] = {}
         self._calls: SimpleQueue[tuple[Callable[[], Any], Future[Any]]] = SimpleQueue()
         self._stop = threading.Event()
@@ -136,7 +146,7 @@ class SimServer:
                 self._control.setblocking(False)
                 self._control.bind(("127.0.0.1", settings.control_port))
             for line in settings.faults:
-                control.apply(self.stations, line)
+                control.apply(self.stations, line, air)
         except JftoError:
             self._close()
             raise
@@ -166,6 +176,8 @@ class SimServer:
                 for station in self.stations.values():
                     speed = max(station.vehicle.params["SIM_SPEEDUP"], 0.01)
                     station.step(min(elapsed * speed, _STEP_MAX_S * speed))
+                if self.air is not None:
+                    self.air.step([station.vehicle for station in self.stations.values()])
         finally:
             self._close()
 
@@ -196,9 +208,9 @@ class SimServer:
                 data, peer = self._control.recvfrom(_CONTROL_BYTES)
             except (BlockingIOError, ConnectionError):
                 return
-            answer = "ok"
             try:
-                control.apply(self.stations, data.decode("utf-8", "replace"))
+                said = control.apply(self.stations, data.decode("utf-8", "replace"), self.air)
+                answer = f"ok {said}".rstrip()
             except JftoError as error:
                 answer = f"error: {error}"
             self._control.sendto(answer.encode(), peer)
@@ -211,7 +223,7 @@ class SimServer:
 
     def fault(self, line: str) -> None:
         """Carry out a fault line of `control`."""
-        self.call(lambda: control.apply(self.stations, line))
+        self.call(lambda: control.apply(self.stations, line, self.air))
 
     def start(self) -> SimServer:
         """Serve in a thread."""

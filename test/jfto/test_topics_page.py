@@ -9,11 +9,12 @@ from jfto.topics_page import page
 from jfto_msgs_py.ros.endpoints import SERVICES, TOPICS, UAV
 from jfto_planner.planner_node import PlannerNode
 from jfto_power.power_node import PowerNode
+from jfto_power.radio_node import RadioNode
 from jfto_topology.topology_node import TopologyNode
 from support.graph import SCENARIO, Graph
 from support.plans import side_by_side
 
-OURS = ("planner_node", "topology_node", "power_node", "pose_player")
+OURS = ("planner_node", "topology_node", "power_node", "radio_node", "pose_player")
 # What every ROS node has.
 OF_ROS = ("/rosout", "/parameter_events", "/clock")
 
@@ -33,7 +34,7 @@ def test_the_table_is_what_the_graph_offers() -> None:
     """Every topic of ours with its type, QoS and node, and no other; every service."""
     with Graph() as graph:
         graph.add(PlannerNode, lambda scenario, progress: side_by_side(scenario))
-        for kind in (TopologyNode, PowerNode, PosePlayerNode):
+        for kind in (TopologyNode, PowerNode, RadioNode, PosePlayerNode):
             graph.add(kind)
         look = graph.observer
         graph.until(lambda: set(OURS) <= set(look.get_node_names()))

@@ -35,7 +35,7 @@ class Service:
 
 
 _PLANNER, _TOPOLOGY, _POWER, _PLAYER = "planner_node", "topology_node", "power_node", "pose_player"
-_BRIDGE = "mavlink_bridge"
+_BRIDGE, _RADIO = "mavlink_bridge", "radio_node"
 
 TOPICS = (
     Topic(
@@ -107,8 +107,16 @@ TOPICS = (
         "std_msgs/msg/Float64",
         qos.latched,
         (_POWER,),
-        ("any",),
+        (_RADIO,),
         "setpoint in force, dBm; -inf for silence",
+    ),
+    Topic(
+        topics.tx_power_applied(UAV),
+        "std_msgs/msg/Float64",
+        qos.latched,
+        (_RADIO,),
+        ("any",),
+        "power read back from the radio, dBm; -inf for silence",
     ),
     Topic(
         topics.MARKERS,
@@ -122,7 +130,7 @@ TOPICS = (
         topics.DIAGNOSTICS,
         "diagnostic_msgs/msg/DiagnosticArray",
         qos.default,
-        (_PLANNER, _TOPOLOGY, _POWER, _PLAYER, _BRIDGE),
+        (_PLANNER, _TOPOLOGY, _POWER, _RADIO, _PLAYER, _BRIDGE),
         ("any",),
         "one status per UAV and node, once a second",
     ),
@@ -130,7 +138,7 @@ TOPICS = (
         topics.EVENTS,
         "rcl_interfaces/msg/Log",
         qos.events,
-        (_PLANNER, _TOPOLOGY, _POWER, _PLAYER, _BRIDGE),
+        (_PLANNER, _TOPOLOGY, _POWER, _RADIO, _PLAYER, _BRIDGE),
         ("any",),
         "what happened and what was done: kind in `function`, UAV or nothing in `file`",
     ),

@@ -13,7 +13,8 @@ _HEAD = """\
 # Scenario keys
 
 A scenario is a ROS 2 parameter file: `/**: ros__parameters:` holds what all nodes share, and a
-section per node (`planner_node`, `topology_node`, `power_node`, `mavlink_bridge`) may refine it.
+section per node (`planner_node`, `topology_node`, `power_node`, `radio_node`, `mavlink_bridge`)
+may refine it.
 The command line and the nodes read the same file through the same checks: an unknown key, a value
 of another type or outside its range stops everything before it begins. Any key can be overridden
 from the command line: `--set radio.antenna_gain_dbi=0`, `--set fleet.p_max_dbm=27,28,29`.

@@ -1,0 +1,48 @@
+"""The parameters of radio_node besides the scenario's."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from jfto_msgs_py.scenario.key import param
+
+DRIVERS = ("log", "sim", "iw")
+
+
+@dataclass(frozen=True)
+class RadioOptions:
+    """The radio node's own parameters."""
+
+    autostart: bool = param(True, "Configure and activate at start.")
+    uav_id: str = param(
+        "", "Set this UAV's radio only, as on its companion; left out: those of the whole fleet."
+    )
+    driver: str = param(
+        "log",
+        "log: only write what would be set; sim: simulated radios; iw: the radio of this computer.",
+        choices=DRIVERS,
+    )
+    log_file: str = param("", "log: file that lines are added to; left out: the node's own log.")
+    control: str = param("127.0.0.1:14500", "sim: the simulator's control socket, host:port.")
+    interface: str = param("wlan0", "iw: the radio's network interface.")
+    iw_command: str = param("iw", "iw: the tool, with arguments of its own if need be.")
+    power_step_db: float = param(
+        1.0,
+        "iw: steps that the radio can do; powers are rounded up.",
+        unit="dB",
+        low=0.01,
+        high=10.0,
+    )
+    least_dbm: float = param(
+        0.0, "iw: least power, also taken for silence.", unit="dBm", low=0.0, high=30.0
+    )
+    interval_s: float = param(
+        0.5, "iw: least time between two settings of the radio.", unit="s", low=0.0, high=60.0
+    )
+    tolerance_db: float = param(
+        1.0,
+        "How far what is read back may be from the setpoint.",
+        unit="dB",
+        low=0.0,
+        high=20.0,
+    )
