@@ -8,25 +8,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.vehicle import TimedTrajectory, VehiclePose
-from jfto_world.motion.progress import progress_time, sample
+from jfto_world.motion.progress import sample
+from jfto_world.motion.route_progress import RouteProgress
 
 Array = NDArray[np.float64]
 
-# How far a UAV's clock along its route may jump between two poses, seconds.
-WINDOW_S = 10.0
+# Poses that come faster than this are used when somebody asks, else not looked at.
+_LOOK_EVERY_S = 0.2
 
 
 class FleetPrediction:
     """Planned trajectories and measured poses of a fleet.
 
     A late UAV keeps to its geometry and shifts in time: at time t it is predicted where the plan
-    has it at t - lag. Times are ns since the epoch, positions ENU metres.
+    has it at t - lag. One that has reached its last waypoint, or has left its route, is predicted
+    to stay where it was measured. Times are ns since the epoch, positions ENU metres.
     """
 
     def __init__(self) -> None:
         self._trajectories: dict[str, TimedTrajectory] = {}
+        self._times_s: dict[str, Array] = {}
         self._poses: dict[str, VehiclePose] = {}
-        self._lag_s: dict[str, float] = {}
+        self._progress: dict[str, RouteProgress] = {}
+        self._looked_ns: dict[str, int] = {}
 
     @property
     def uav_ids(self) -> tuple[str, ...]:
@@ -44,9 +48,11 @@ class FleetPrediction:
         return max(each.start_ns + int(each.offset_ns[-1]) for each in self._trajectories.values())
 
     def set_trajectory(self, uav_id: str, trajectory: TimedTrajectory) -> None:
-        """Take over a UAV's plan; its lag starts anew."""
+        """Take over a UAV's plan; its lag is found anew."""
         self._trajectories[uav_id] = trajectory
-        self._lag_s[uav_id] = 0.0
+        self._times_s[uav_id] = trajectory.offset_ns / 1e9
+        self._progress[uav_id] = RouteProgress(trajectory)
+        self._looked_ns.pop(uav_id, None)
 
     def set_pose(self, uav_id: str, pose: VehiclePose) -> bool:
         """Take over a measured pose unless it is older than the last one; whether it was taken."""
@@ -54,9 +60,15 @@ class FleetPrediction:
         if known is not None and pose.stamp_ns <= known.stamp_ns:
             return False
         self._poses[uav_id] = pose
-        if uav_id in self._trajectories:
-            self._lag_s[uav_id] = self._measure_lag(uav_id, pose)
+        if pose.stamp_ns - self._looked_ns.get(uav_id, 0) >= _LOOK_EVERY_S * 1e9:
+            self._look(uav_id)
         return True
+
+    def forget_poses(self) -> None:
+        """Begin anew with the poses: the clock that stamps them was set back."""
+        self._poses.clear()
+        self._looked_ns.clear()
+        self._progress = {uav: RouteProgress(plan) for uav, plan in self._trajectories.items()}
 
     def pose_stamp_ns(self, uav_id: str) -> int | None:
         """When the UAV was last measured, None if never."""
@@ -65,7 +77,30 @@ class FleetPrediction:
 
     def lag_s(self, uav_id: str) -> float:
         """By how much the UAV is behind its plan, seconds; negative if ahead."""
-        return self._lag_s.get(uav_id, 0.0)
+        progress = self._look(uav_id)
+        return 0.0 if progress is None else progress.lag_s
+
+    def is_off_route(self, uav_id: str) -> bool:
+        """Whether the UAV has left its route before its end."""
+        progress = self._look(uav_id)
+        return progress is not None and progress.off_route and not progress.done
+
+    def is_done(self, uav_id: str) -> bool:
+        """Whether the UAV has reached its last waypoint."""
+        progress = self._look(uav_id)
+        return progress is not None and progress.done
+
+    def fleet_lag_s(self, uav_ids: Sequence[str]) -> float | None:
+        """Median lag of those of the UAVs that are under way; None where none is.
+
+        One UAV that is held up, or off its route, does not move it; half of them do.
+        """
+        found = [
+            progress.lag_s
+            for uav_id in uav_ids
+            if (progress := self._look(uav_id)) is not None and progress.following
+        ]
+        return float(np.median(found)) if found else None
 
     def fresh(self, now_ns: int, stale_after_s: float) -> tuple[str, ...]:
         """UAVs with a trajectory and a pose that is not older than `stale_after_s`."""
@@ -80,23 +115,22 @@ class FleetPrediction:
         """Predicted positions (instants, UAVs, 3)."""
         columns = []
         for uav_id in uav_ids:
-            plan = self._trajectories[uav_id]
-            at_s = (instants_ns - plan.start_ns) / 1e9 - self._lag_s[uav_id]
-            columns.append(sample(plan.offset_ns / 1e9, plan.position_m, at_s))
+            plan, progress = self._trajectories[uav_id], self._look(uav_id)
+            if progress is not None and (progress.done or progress.off_route):
+                here = np.array(self._poses[uav_id].position_m)
+                columns.append(np.broadcast_to(here, (len(instants_ns), 3)))
+                continue
+            lag_s = 0.0 if progress is None else progress.lag_s
+            at_s = (instants_ns - plan.start_ns) / 1e9 - lag_s
+            columns.append(sample(self._times_s[uav_id], plan.position_m, at_s))
         return np.stack(columns, axis=1)
 
-    def _measure_lag(self, uav_id: str, pose: VehiclePose) -> float:
-        plan = self._trajectories[uav_id]
-        clock_s = (pose.stamp_ns - plan.start_ns) / 1e9
-        expected_s = clock_s - self._lag_s[uav_id]
-        reached_s = progress_time(
-            plan.offset_ns / 1e9,
-            plan.position_m,
-            np.asarray(pose.position_m),
-            expected_s,
-            WINDOW_S,
-        )
-        # Before its start and after its end a UAV is where it should be: no lag to be seen.
-        if expected_s < 0 or reached_s >= plan.offset_ns[-1] / 1e9:
-            return min(self._lag_s[uav_id], max(clock_s - reached_s, 0.0))
-        return clock_s - reached_s
+    def _look(self, uav_id: str) -> RouteProgress | None:
+        """A UAV's progress by its last pose; None where its trajectory is not known."""
+        progress, pose = self._progress.get(uav_id), self._poses.get(uav_id)
+        if progress is None or pose is None:
+            return progress
+        if self._looked_ns.get(uav_id) != pose.stamp_ns:
+            self._looked_ns[uav_id] = pose.stamp_ns
+            progress.update(pose.stamp_ns, np.array(pose.position_m))
+        return progress

@@ -3,40 +3,111 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Of places about equally near, the one nearest to the expected time is meant: metres per second.
-_TIE_M_PER_S = 1e-3
 
-
+@njit(cache=True, nogil=True)
 def progress_time(
-    times_s: Array, positions_m: Array, measured_m: Array, expected_s: float, window_s: float
-) -> float:
-    """Time on a trajectory at which it passes nearest to a measured position.
+    times_s: Array,
+    positions_m: Array,
+    measured_m: Array,
+    expected_s: float,
+    low_s: float,
+    high_s: float,
+    pull_mps: float,
+) -> tuple[float, float]:
+    """Time on a trajectory at which a UAV measured at a place most likely is, and how far off.
 
     `times_s` (M,) grows and `positions_m` is (M, 3), taken as straight in between; `measured_m` is
-    (3,). Only times within `window_s` of `expected_s` are considered, so that a route which comes
-    back to a place is not mistaken for having been there before.
+    (3,). Found is the least of distance² + (pull_mps × time from expected_s)² from `low_s` to
+    `high_s`: a second off the expected time weighs as much as `pull_mps` metres off the line.
+    So a route that crosses itself is not mistaken for having been there before, and where the
+    trajectory holds the expected time is the answer. The distance is that to the place alone, m.
     """
-    low = min(max(expected_s - window_s, times_s[0]), times_s[-1])
-    high = max(min(expected_s + window_s, times_s[-1]), times_s[0])
-    inside = (times_s > low) & (times_s < high)
-    times = np.concatenate([[low], times_s[inside], [high]])
-    points = sample(times_s, positions_m, times)
-    step, start = np.diff(points, axis=0), points[:-1]
-    length_2 = np.einsum("ij,ij->i", step, step)
-    along = np.einsum("ij,ij->i", measured_m - start, step)
-    share = np.divide(along, length_2, out=np.zeros_like(along), where=length_2 > 0)
-    share = np.clip(share, 0.0, 1.0)
-    # Where the UAV holds, every time is as near; the expected one is the best guess.
-    held = length_2 == 0
-    span = np.diff(times)
-    share[held] = np.clip((expected_s - times[:-1]) / np.maximum(span, 1e-9), 0.0, 1.0)[held]
-    candidate = times[:-1] + share * span
-    away = np.linalg.norm(start + share[:, None] * step - measured_m, axis=1)
-    return float(candidate[np.argmin(away + _TIE_M_PER_S * np.abs(candidate - expected_s))])
+    last = times_s.shape[0] - 1
+    low = min(max(low_s, times_s[0]), times_s[last])
+    high = max(min(high_s, times_s[last]), times_s[0])
+    found, found_away, least = low, np.inf, np.inf
+    first = min(max(np.searchsorted(times_s, low, side="right") - 1, 0), max(last - 1, 0))
+    for m in range(first, max(last, 1)):
+        begin, end = times_s[m], times_s[min(m + 1, last)]
+        if begin > high:
+            break
+        time, away_2 = _nearest(
+            begin, end, positions_m[m], positions_m[min(m + 1, last)],
+            measured_m, expected_s, pull_mps, low, high,
+        )  # fmt: skip
+        cost = away_2 + (pull_mps * (time - expected_s)) ** 2
+        if cost < least:
+            found, found_away, least = time, np.sqrt(away_2), cost
+    return found, found_away
+
+
+@njit(cache=True, nogil=True)
+def passes(
+    times_s: Array, positions_m: Array, measured_m: Array, latest_s: float, within_m: float
+) -> Array:
+    """Every time up to `latest_s` at which a trajectory passes a place within `within_m` metres.
+
+    One per pass: where the distance is locally least. Arguments as for `progress_time`.
+    """
+    count = times_s.shape[0]
+    found = np.empty(count)
+    number = 0
+    before, here_s, here = np.inf, times_s[0], np.inf
+    for m in range(count):
+        after_s, after = times_s[m], np.inf
+        if m + 1 < count and times_s[m] <= latest_s:
+            high = min(times_s[m + 1], max(latest_s, times_s[m]))
+            after_s, away_2 = _nearest(
+                times_s[m], times_s[m + 1], positions_m[m], positions_m[m + 1],
+                measured_m, times_s[m], 0.0, times_s[m], high,
+            )  # fmt: skip
+            after = np.sqrt(away_2)
+        elif count == 1:
+            after = np.sqrt(((positions_m[0] - measured_m) ** 2).sum())
+        if m > 0 and here <= within_m and here <= before and here < after:
+            found[number] = here_s
+            number += 1
+        before, here, here_s = here, after, after_s
+    if count == 1 and here <= within_m:
+        found[number] = here_s
+        number += 1
+    return found[:number].copy()
+
+
+@njit(cache=True, nogil=True)
+def _nearest(
+    begin_s: float,
+    end_s: float,
+    begin_m: Array,
+    end_m: Array,
+    measured_m: Array,
+    expected_s: float,
+    pull_mps: float,
+    low_s: float,
+    high_s: float,
+) -> tuple[float, float]:
+    """Best time on one straight piece, between low_s and high_s, and the distance² there."""
+    along, length_2 = 0.0, 0.0
+    for axis in range(3):
+        step = end_m[axis] - begin_m[axis]
+        along += (measured_m[axis] - begin_m[axis]) * step
+        length_2 += step * step
+    span = end_s - begin_s
+    pull_2 = pull_mps * pull_mps
+    weight = length_2 + pull_2 * span * span
+    share = (along + pull_2 * span * (expected_s - begin_s)) / weight if weight > 0 else 0.0
+    time = min(max(begin_s + share * span, begin_s, low_s), end_s, high_s)
+    share = (time - begin_s) / span if span > 0 else 0.0
+    away_2 = 0.0
+    for axis in range(3):
+        off = begin_m[axis] + share * (end_m[axis] - begin_m[axis]) - measured_m[axis]
+        away_2 += off * off
+    return time, away_2
 
 
 def sample(times_s: Array, positions_m: Array, at_s: Array) -> Array:

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jfto_world.motion.progress import progress_time, sample
+from jfto_world.motion.progress import passes, progress_time, sample
 
 # Out along x at 5 m/s, a hold of 4 s, and back the same way.
 TIMES = np.array([0.0, 10.0, 14.0, 24.0])
@@ -27,8 +27,28 @@ POINTS = np.array([[0.0, 0, 0], [50, 0, 0], [50, 0, 0], [0, 0, 0]])
 )
 def test_progress_by_hand(measured_m, expected_s, answer_s) -> None:
     """Nearest place within the window; holds and way-backs are told apart by the expectation."""
-    found = progress_time(TIMES, POINTS, np.array(measured_m), expected_s, 4.0)
+    found, off_m = progress_time(
+        TIMES, POINTS, np.array(measured_m), expected_s, expected_s - 4, expected_s + 4, 1e-3
+    )
     assert found == pytest.approx(answer_s, abs=1e-6)
+    place = sample(TIMES, POINTS, np.array([found]))[0]
+    assert off_m == pytest.approx(np.linalg.norm(place - measured_m))
+
+
+def test_the_pull_weighs_seconds_against_metres() -> None:
+    """At 5 m/s with a pull of 5 m/s a place 2 s late is met half way, 1 s late and 5 m off."""
+    found, off_m = progress_time(TIMES, POINTS, np.array([20.0, 0, 0]), 6.0, 0.0, 24.0, 5.0)
+    assert found == pytest.approx(5.0)
+    assert off_m == pytest.approx(5.0)
+
+
+def test_passes_by_hand() -> None:
+    """Out, and back over the same place; not the pass that lies ahead of the clock."""
+    here = np.array([20.0, 3.0, 0.0])
+    assert passes(TIMES, POINTS, here, 99.0, 10.0).tolist() == pytest.approx([4.0, 20.0])
+    assert passes(TIMES, POINTS, here, 15.0, 10.0).tolist() == pytest.approx([4.0])
+    assert passes(TIMES, POINTS, here, 99.0, 2.0).tolist() == []
+    assert passes(TIMES[:1], POINTS[:1], here, 99.0, 30.0).tolist() == [0.0]
 
 
 @settings(deadline=None, max_examples=60)
@@ -36,5 +56,9 @@ def test_progress_by_hand(measured_m, expected_s, answer_s) -> None:
 def test_a_uav_on_its_trajectory_is_found_there(true_s, error_s) -> None:
     """Whatever the clock error within the window, the place found is the measured place."""
     measured = sample(TIMES, POINTS, np.array([true_s]))[0]
-    found = progress_time(TIMES, POINTS, measured, true_s + error_s, 3.0)
+    expected_s = true_s + error_s
+    found, off_m = progress_time(
+        TIMES, POINTS, measured, expected_s, expected_s - 3, expected_s + 3, 1e-3
+    )
+    assert off_m < 0.02
     assert np.allclose(sample(TIMES, POINTS, np.array([found]))[0], measured, atol=0.02)
