@@ -11,6 +11,7 @@ from jfto_mavlink.bridge import Bridge
 from jfto_mavlink.mission.ground import Ground
 from jfto_mavlink.open_vehicles import FleetRequest
 from jfto_msgs_py.scenario import Scenario
+from jfto_world.terrain import Dem
 
 
 @contextmanager
@@ -28,9 +29,14 @@ def open_simulated(request: FleetRequest) -> Iterator[Bridge]:
         yield session.runner
 
 
-def ground_of(scenario: Scenario) -> Ground:
-    """Heights of a scenario's terrain; file names stand by themselves. Raises TerrainError."""
+def dem_of(scenario: Scenario) -> Dem:
+    """Terrain of a scenario; file names stand by themselves. Raises TerrainError."""
     from jfto.scenario_file import LoadedScenario
     from jfto.stages.survey import load_ground
 
-    return load_ground(LoadedScenario(scenario, Path("parameters"))).height
+    return load_ground(LoadedScenario(scenario, Path("parameters")))
+
+
+def ground_of(scenario: Scenario) -> Ground:
+    """Heights of a scenario's terrain; raises TerrainError."""
+    return dem_of(scenario).height

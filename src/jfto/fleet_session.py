@@ -8,6 +8,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from jfto.simulated_fleet import PadGround, Place, vehicle_configs
 from jfto_mavlink.bridge import Bridge
 from jfto_mavlink.clock import Clock, ScaledClock
 from jfto_mavlink.errors import RosterError
@@ -19,14 +20,8 @@ from jfto_mavlink.link.signing import Signer
 from jfto_mavlink.roster import Roster, RosterEntry, parse_roster
 from jfto_mavlink.streams import DEFAULT_RATES
 from jfto_mavlink.watch import Event
-from jfto_msgs_py.plan import Plan
-from jfto_sim import VehicleConfig
 from jfto_sim.server import ServerSettings, SimServer
-from jfto_world.terrain import Dem
 
-# Ground height above a pad at metres east and north of it.
-PadGround = Callable[[float, float], float]
-Place = tuple[float, float, float]
 HEARD_WAIT_S = 30.0
 SIMULATED = "sim:"
 
@@ -90,20 +85,6 @@ def open_fleet(
         yield FleetSession(bridge, bridge.clock, time.time, simulated=False)
 
 
-def grounds(plan: Plan, dem: Dem | None) -> dict[str, PadGround]:
-    """The terrain as each UAV of a plan sees it from its pad; empty where it is not known."""
-    if dem is None:
-        return {}
-    return {uav.id: _seen_from(dem, uav.start_m) for uav in plan.uavs}
-
-
-def _seen_from(dem: Dem, pad_m: Place) -> PadGround:
-    pad_height_m = float(dem.height(pad_m[0], pad_m[1]))
-    return lambda east_m, north_m: (
-        float(dem.height(pad_m[0] + east_m, pad_m[1] + north_m)) - pad_height_m
-    )
-
-
 def load_signer(key_file: Path) -> Signer:
     """The signer of a key file, whose time stamps never go back over restarts."""
     stamps = StampFile(key_file)
@@ -127,17 +108,7 @@ def _simulated(
         )
     start_unix_s = time.time()
     link = parse_address(f"udpin:127.0.0.1:{free_udp_port()}")
-    configs = [
-        VehicleConfig(
-            sysid=n,
-            home_lat_deg=pad[0],
-            home_lon_deg=pad[1],
-            home_alt_m=pad[2],
-            utc_at_boot_us=int(start_unix_s * 1e6),
-            ground=grounds.get(uav),
-        )
-        for n, (uav, pad) in enumerate(pads.items(), 1)
-    ]
+    configs = vehicle_configs(pads, grounds, round(start_unix_s * 1e9))
     endpoint = (f"udpto:{link.host}:{link.number}",)
     settings = ServerSettings((endpoint,) * len(configs), speedup)
     roster = Roster(tuple(RosterEntry(uav, n, link) for n, uav in enumerate(pads, 1)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from jfto.pose_player_options import PosePlayerOptions
+from jfto.simulated_fleet_options import SimulatedFleetOptions
 from jfto_mavlink.bridge_options import BridgeOptions
 from jfto_msgs_py.scenario import Key
 from jfto_msgs_py.scenario.options import option_keys
@@ -18,4 +19,5 @@ NODE_OPTIONS: dict[str, dict[str, Key]] = {
     "radio_node": option_keys(RadioOptions),
     "pose_player": option_keys(PosePlayerOptions),
     "mavlink_bridge": option_keys(BridgeOptions),
+    "simulated_fleet": option_keys(SimulatedFleetOptions),
 }

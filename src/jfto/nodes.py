@@ -77,6 +77,15 @@ def mavlink_bridge(arguments: Arguments = None) -> int:
     return _run(lambda: MavlinkBridgeNode(open_simulated, ground_of), arguments)
 
 
+def simulated_fleet(arguments: Arguments = None) -> int:
+    """Run simulated vehicles, whose time is that of the graph."""
+    use_stand_in_where_needed()
+    from jfto.bridge_fleet import dem_of
+    from jfto.simulated_fleet_node import SimulatedFleetNode
+
+    return _run(lambda: SimulatedFleetNode(dem_of), arguments)
+
+
 NODES = {
     "planner_node": planner_node,
     "topology_node": topology_node,
@@ -84,6 +93,7 @@ NODES = {
     "radio_node": radio_node,
     "pose_player": pose_player,
     "mavlink_bridge": mavlink_bridge,
+    "simulated_fleet": simulated_fleet,
 }
 
 

@@ -24,6 +24,7 @@ NODES = (
     "radio_node",
     "pose_player",
     "mavlink_bridge",
+    "simulated_fleet",
 )
 # Parameters of ROS itself, which a file may set beside ours.
 ROS_KEYS = ("use_sim_time",)

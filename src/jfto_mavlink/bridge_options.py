@@ -48,3 +48,8 @@ class BridgeOptions:
     speedup: float = param(
         1.0, "Simulated vehicles: how much faster than the clock.", low=0.1, high=50.0
     )
+    vehicle_stamps: bool = param(
+        False,
+        "Stamp what vehicles report with their own UTC: where they are simulated and /clock is "
+        "theirs.",
+    )

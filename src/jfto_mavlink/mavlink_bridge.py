@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections import deque
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -43,10 +44,12 @@ from jfto_mavlink.telemetry import (
     BatterySample,
     FixSample,
     LinkState,
+    Measurement,
     PositionSample,
     Sample,
     listen,
 )
+from jfto_mavlink.ticked_clock import TickedClock
 from jfto_mavlink.watch import Event
 from jfto_msgs_py.errors import InputError, JftoError, PlanError
 from jfto_msgs_py.plan import Plan
@@ -97,6 +100,7 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
         # Threads of ours wake the executor only while there is what they wake.
         self._waking = threading.Lock()
         self._news: Any = None
+        self._time: TickedClock | None = None
         super().__init__("mavlink_bridge", BridgeOptions, **arguments)
 
     def check(self, scenario: Scenario, options: BridgeOptions) -> None:
@@ -106,8 +110,11 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
         count = simulated_count(options)
         if count is None:
             read_roster(options, scenario.fleet.ids)
-            if options.speedup != 1.0:
-                raise InputError(f"speedup is {options.speedup}; real vehicles keep time.")
+            if options.speedup != 1.0 and not options.vehicle_stamps:
+                raise InputError(
+                    f"speedup is {options.speedup}; real vehicles keep time. Set vehicle_stamps "
+                    "where others simulate them."
+                )
         elif self._open_simulated is None:
             raise InputError("roster is sim:N, and this node cannot simulate. Name real vehicles.")
         elif count != len(scenario.fleet.ids):
@@ -142,6 +149,7 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
         if options.guided:
             self.create_timer(CONFIRM_S, self._confirm)
         self._news = self.create_guard_condition(self._on_news)
+        self._time = TickedClock(self.get_clock(), options.speedup)
 
     def activated(self) -> None:
         """Open the links if they are not."""
@@ -161,6 +169,9 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
             if link.opened is not None:
                 self._end_desk(link.opened.desk)
             link.close()
+        if self._time is not None:
+            self._time.close()
+            self._time = None
         with self._waking:
             self._news = None
         for answer in self._waiting:
@@ -178,6 +189,8 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
     def _open(self, stack: ExitStack) -> Opened:
         """Plan, missions and links; runs in the link's thread."""
         scenario, options = self._scenario, self._options
+        assert self._time is not None
+        now_ns = self._time.now_ns
         path = Path(options.plan_file)
         if not path.exists():
             raise PlanError(f"{path} is not there yet.")
@@ -198,6 +211,7 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
             rates(options),
             Path(options.log_directory) if options.log_directory else None,
             self._keep,
+            self._time if options.vehicle_stamps else time.time,
         )
         if count is None:
             bridge = open_real(stack, options, read_roster(options, ids), request)
@@ -210,7 +224,7 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
         desk = MissionDesk(bridge, missions, settings, self._report)
         if options.guided:
             height_m = options.takeoff_height_m
-            desk = GuidedDesk(bridge, missions, settings, self._report, plan, self.now_ns, height_m)
+            desk = GuidedDesk(bridge, missions, settings, self._report, plan, now_ns, height_m)
         for uav, mission in missions.items():
             bridge.start(uav, partial(listen, mission=mission, sink=self._keep))
         return Opened(plan, bridge, maps, desk)
@@ -265,11 +279,9 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
             elif opened is not None and self.is_active:
                 self._publish(opened, news)
 
-    def _publish(self, opened: Opened, sample: Sample) -> None:
-        clock = opened.bridge.clock
-        age_s = max(clock() - sample.at_s, 0.0) / clock.speedup
-        stamp_ns = self.now_ns() - round(age_s * 1e9)
-        if stamp_ns < 0:
+    def _publish(self, opened: Opened, sample: Measurement) -> None:
+        stamp_ns = self._stamp_ns(opened, sample)
+        if stamp_ns is None or stamp_ns < 0:
             # Simulated time has not begun.
             return
         if isinstance(sample, PositionSample):
@@ -283,6 +295,14 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
             self._fixes[sample.uav].publish(encode_fix(sample, stamp_ns))
         elif isinstance(sample, BatterySample):
             self._batteries[sample.uav].publish(encode_battery(sample, stamp_ns))
+
+    def _stamp_ns(self, opened: Opened, sample: Measurement) -> int | None:
+        """When a sample was true on the node's clock; None while nobody can tell."""
+        if self._options.vehicle_stamps:
+            return sample.utc_ns
+        clock = opened.bridge.clock
+        age_s = max(clock() - sample.at_s, 0.0) / clock.speedup
+        return self.now_ns() - round(age_s * 1e9)
 
     def _on_trajectory(self, uav: str, message: Any) -> None:
         trajectory = self.intake.take(topics.trajectory(uav), decode_trajectory, message)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from jfto_mavlink.bridge import Bridge
 from jfto_mavlink.bridge_options import BridgeOptions
+from jfto_mavlink.clock import Clock, ScaledClock
 from jfto_mavlink.dialect import mavlink
 from jfto_mavlink.errors import RosterError
 from jfto_mavlink.link.key_file import StampFile, read_key
@@ -24,7 +25,10 @@ SIMULATED = "sim:"
 
 @dataclass(frozen=True)
 class FleetRequest:
-    """What is to be opened. `pads` holds latitude, longitude and height of each UAV's pad."""
+    """What is to be opened. `pads` holds latitude, longitude and height of each UAV's pad.
+
+    `unix` is UTC as the vehicles should have it.
+    """
 
     plan: Plan
     pads: Mapping[str, tuple[float, float, float]]
@@ -33,6 +37,7 @@ class FleetRequest:
     rates: Mapping[int, float]
     log_directory: Path | None
     on_event: Callable[[Event], None]
+    unix: Clock = time.time
 
 
 # Opens simulated vehicles on their pads, for as long as the context lasts.
@@ -87,7 +92,7 @@ def rates(options: BridgeOptions) -> dict[int, float]:
 def open_real(
     stack: ExitStack, options: BridgeOptions, roster: Roster, request: FleetRequest
 ) -> Bridge:
-    """Open the links of real vehicles, heard or not; raises LinkError or SigningError."""
+    """Open the links of a roster's vehicles, heard or not; raises LinkError or SigningError."""
     signer = None
     if options.key_file:
         path = Path(options.key_file)
@@ -96,6 +101,8 @@ def open_real(
     return stack.enter_context(
         Bridge(
             roster,
+            clock=ScaledClock(request.speedup),
+            unix=request.unix,
             signer=signer,
             log_directory=request.log_directory,
             rates=request.rates,

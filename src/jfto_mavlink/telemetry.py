@@ -22,10 +22,14 @@ EPOCH_US = 1_000_000_000_000_000
 
 @dataclass(frozen=True)
 class PositionSample:
-    """Position and heading; `height_m` is above home, `at_s` on the bridge's clock."""
+    """Position and heading; `height_m` is above home.
+
+    In all samples `at_s` is on the bridge's clock, `utc_ns` as the vehicle has UTC, if it has.
+    """
 
     uav: str
     at_s: float
+    utc_ns: int | None
     lat_deg: float
     lon_deg: float
     height_m: float
@@ -38,6 +42,7 @@ class FixSample:
 
     uav: str
     at_s: float
+    utc_ns: int | None
     fixed: bool
     augmented: bool
     lat_deg: float
@@ -53,6 +58,7 @@ class BatterySample:
 
     uav: str
     at_s: float
+    utc_ns: int | None
     voltage_v: float
     current_a: float
     share: float
@@ -87,7 +93,8 @@ class LinkState:
         return max(stamps_s, abs(self.utc_error_s or 0.0))
 
 
-Sample = PositionSample | FixSample | BatterySample | LinkState
+Measurement = PositionSample | FixSample | BatterySample
+Sample = Measurement | LinkState
 
 
 def listen(
@@ -164,6 +171,7 @@ def _position(context: Context, message: Message) -> PositionSample | None:
     return PositionSample(
         context.uav,
         measured_s(context, message.time_boot_ms / 1e3),
+        context.vehicle.utc_ns(message.time_boot_ms / 1e3),
         message.lat / 1e7,
         message.lon / 1e7,
         message.relative_alt / 1e3,
@@ -173,10 +181,12 @@ def _position(context: Context, message: Message) -> PositionSample | None:
 
 def _fix(context: Context, message: Message) -> FixSample:
     stamped = 0 < message.time_usec < EPOCH_US
-    at_s = measured_s(context, message.time_usec / 1e6) if stamped else context.clock()
+    own_s = message.time_usec / 1e6 if stamped else context.vehicle.own_time_s(context.clock())
+    at_s = measured_s(context, own_s) if stamped else context.clock()
     return FixSample(
         context.uav,
         at_s,
+        context.vehicle.utc_ns(own_s),
         message.fix_type >= mavlink.GPS_FIX_TYPE_2D_FIX,
         message.fix_type >= mavlink.GPS_FIX_TYPE_DGPS,
         message.lat / 1e7,
@@ -193,6 +203,7 @@ def _battery(context: Context, message: Message) -> BatterySample:
     return BatterySample(
         context.uav,
         context.clock(),
+        context.vehicle.utc_ns(context.vehicle.own_time_s(context.clock())),
         math.nan if voltage == 0xFFFF else voltage / 1e3,
         math.nan if current < 0 else current / 100,
         math.nan if left < 0 else left / 100,

@@ -48,7 +48,8 @@ class Reached:
 class Vehicle:
     """State of one vehicle. Times are those of the clock given to `update`.
 
-    `seen_s` is when each message id was last heard.
+    `seen_s` is when each message id was last heard, `utc_at_boot_us` what the vehicle takes for UTC
+    at the zero of its own clock.
     """
 
     uav: str
@@ -59,6 +60,7 @@ class Vehicle:
     system_status: int | None = None
     time_boot_ms: int | None = None
     boot_time_heard_s: float = 0.0
+    utc_at_boot_us: int | None = None
     reboots: int = 0
     lat_deg: float = math.nan
     lon_deg: float = math.nan
@@ -134,6 +136,12 @@ class Vehicle:
             return now_s
         return self.time_boot_ms / 1000 + min(now_s - self.boot_time_heard_s, OWN_TIME_AHEAD_S)
 
+    def utc_ns(self, boot_s: float) -> int | None:
+        """UTC as the vehicle has it at a time of its own clock; None while it has told none."""
+        if self.utc_at_boot_us is None:
+            return None
+        return self.utc_at_boot_us * 1000 + round(boot_s * 1e9)
+
     def silent_s(self, now_s: float) -> float:
         """Seconds without a heartbeat; infinite if there never was one."""
         return math.inf if self.heartbeat_s is None else now_s - self.heartbeat_s
@@ -141,7 +149,7 @@ class Vehicle:
     def booted(self) -> None:
         """Forget what a restart of the vehicle makes untrue."""
         self.reboots += 1
-        self.time_boot_ms = None
+        self.time_boot_ms = self.utc_at_boot_us = None
         self.time_sync.restart()
         self.uid = None
         self.mission_current = None
@@ -177,6 +185,8 @@ def _attitude(vehicle: Vehicle, message: Message, now_s: float) -> None:
 
 def _system_time(vehicle: Vehicle, message: Message, now_s: float) -> None:
     vehicle._at_boot_time(message.time_boot_ms, now_s)
+    if message.time_unix_usec:
+        vehicle.utc_at_boot_us = message.time_unix_usec - message.time_boot_ms * 1000
 
 
 def _gps(vehicle: Vehicle, message: Message, _: float) -> None:

@@ -163,6 +163,11 @@ class SimServer:
         host, port = self._control.getsockname()
         return host, port
 
+    @property
+    def elapsed_s(self) -> float:
+        """Seconds of the vehicles' time since they were made, restarts included."""
+        return max(station.vehicle.total_s for station in self.stations.values())
+
     def run(self) -> None:
         """Serve until `stop`; blocks."""
         before = time.monotonic()

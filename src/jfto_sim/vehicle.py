@@ -270,7 +270,7 @@ class Vehicle(Clock, Flight):
 
     def reboot(self) -> None:
         """Restart: parameters, missions and the signing key stay, all else is forgotten."""
-        self.utc_offset_us += round(self.time_s * 1e6)
+        self.utc_offset_us += round((self.time_s + _DARK_AFTER_REBOOT_S) * 1e6)
         self.runtime_base_s = int(self.params["STAT_RUNTIME"])
         self._power_up()
         self._dark_s = _DARK_AFTER_REBOOT_S

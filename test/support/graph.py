@@ -75,9 +75,9 @@ class Graph:
         self.executor.remove_node(node)
         node.destroy_node()
 
-    def until(self, condition) -> None:
+    def until(self, condition, limit_s: float = LIMIT_S) -> None:
         """Spin until a condition holds."""
-        end = time.monotonic() + LIMIT_S
+        end = time.monotonic() + limit_s
         while not condition():
             assert time.monotonic() < end, "it did not happen"
             self.executor.spin_once(timeout_sec=0.05)

@@ -65,8 +65,10 @@ class Recording:
         return not open_ended and self._seen >= set(choice.topics)
 
     def look(self) -> None:
-        """Subscribe to topics that have appeared."""
+        """Subscribe to topics that have appeared, once there is a time to stamp messages with."""
         node = self._session.node
+        if not node.get_clock().now().nanoseconds:
+            return
         hidden = self._choice.hidden or bool(self._choice.topics)
         for topic, types in graph_names.topics(node, hidden=hidden):
             if topic not in self._seen and self._choice.wants(topic):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 import time
 from pathlib import Path
@@ -49,6 +50,15 @@ def info(bag: Path, names_only: bool, verbose: bool, debug: bool) -> int:  # noq
 @click.option("-x", "--exclude-topics", "excluded", multiple=True, metavar="TOPIC")
 @click.option("--include-hidden-topics", "hidden", is_flag=True)
 @click.option("-o", "--output", "output", type=_PATH, metavar="DIR", help="Folder to make.")
+@click.option(
+    "--next-free", is_flag=True, help="If DIR is there, record to DIR-2, DIR-3 and so on."
+)
+@click.option(
+    "--use-sim-time",
+    "sim_time",
+    is_flag=True,
+    help="Stamp messages with the time of /clock; nothing is recorded before it comes.",
+)
 @click.option("--compress", is_flag=True, help="Compress the messages with zstd.")
 @click.option(
     "--params-file",
@@ -80,6 +90,7 @@ def record(
     from jfto.bag.parameter_keeper import ParameterKeeper
     from jfto.bag.record import NODE_NAME, Choice, Recording
     from jfto.bag.recorder import PARAMETERS_NAME, BagRecorder
+    from jfto.supervision.die_with_parent import die_with_parent
     from jfto_msgs_py.write_file import write_file
 
     chosen = Choice(
@@ -100,10 +111,13 @@ def record(
         raise click.UsageError("--params-file and --parameters exclude each other.")
     kept = None if parameters is None else _read_parameters(parameters)
     path = output or Path(time.strftime("rosbag2_%Y_%m_%d-%H_%M_%S"))
+    if choices["next_free"]:
+        path = _next_free(path)
     if path.exists():
         click.echo(f"[ERROR] [ros2bag]: Output folder '{path}' already exists.", err=True)
         return 1
-    with session_of(spin_time, NODE_NAME) as session:
+    die_with_parent()
+    with session_of(spin_time, NODE_NAME, sim_time=choices["sim_time"]) as session:
         recorder = BagRecorder(path, compress=choices["compress"])
         if kept is not None:
             write_file(path / PARAMETERS_NAME, kept)
@@ -114,6 +128,12 @@ def record(
             recorder.close()
     click.echo(f"{path}: {recorder.message_count} messages", err=True)
     return 0
+
+
+def _next_free(path: Path) -> Path:
+    """The path itself, or the first of PATH-2, PATH-3 … that is not there."""
+    numbered = (path.with_name(f"{path.name}-{number}") for number in itertools.count(2))
+    return next(each for each in itertools.chain([path], numbered) if not each.exists())
 
 
 def _read_parameters(path: Path) -> str:

@@ -73,8 +73,9 @@ def command(
     """
     from jfto.cli.failure import EXIT_INTERRUPTED
     from jfto.cli.flight_screen import FlightScreen
-    from jfto.fleet_session import grounds, open_fleet
+    from jfto.fleet_session import open_fleet
     from jfto.flight_log import flight_object, new_flight_directory
+    from jfto.simulated_fleet import grounds
     from jfto_mavlink.fleet.fly import FlySettings, fly_fleet
     from jfto_mavlink.fleet.release import deliver_to_fleet
     from jfto_mavlink.flight.preflight import GateSettings

@@ -28,7 +28,9 @@ def graph_options(function: _F) -> _F:
 
 
 @contextlib.contextmanager
-def session_of(spin_time_s: float, node_name: str | None = None) -> Iterator[Session]:
+def session_of(
+    spin_time_s: float, node_name: str | None = None, *, sim_time: bool = False
+) -> Iterator[Session]:
     """Session that click's context carries, or a new one; a signal ends it without a word."""
     from jfto.ros_cli.session import Session, Stopped, open_session
 
@@ -37,7 +39,7 @@ def session_of(spin_time_s: float, node_name: str | None = None) -> Iterator[Ses
         yield given
         return
     try:
-        with open_session(spin_time_s, node_name) as session:
+        with open_session(spin_time_s, node_name, sim_time=sim_time) as session:
             yield session
     except Stopped as stopped:
         raise click.exceptions.Exit(stopped.status) from None

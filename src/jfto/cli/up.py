@@ -4,23 +4,27 @@ from __future__ import annotations
 
 import signal
 import threading
+from collections.abc import Mapping
 from datetime import datetime, timezone
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from jfto.cli.mission_options import PATH, key_option, roster_texts, speedup_option
 from jfto.cli.options import debug_option, load, out_option, scenario_argument, set_option
 
+if TYPE_CHECKING:
+    from jfto.scenario_file import LoadedScenario
+    from jfto.supervision.vehicles import Vehicles
+
 EXIT_UNCLEAN = 1
-# Status of a node given up: this plus its place in the order of starting.
-EXIT_NODE = 10
-_PATH = click.Path(path_type=Path)
 
 
 @click.command("up")
 @scenario_argument
 @out_option("DIR", "up-<UTC time>")
-@click.option("--plan", "plan_file", type=_PATH, metavar="FILE", help="Plan to fly; else planned.")
+@click.option("--plan", "plan_file", type=PATH, metavar="FILE", help="Plan to fly; else planned.")
 @click.option(
     "--poses",
     type=click.Choice(["none", "plan"]),
@@ -28,6 +32,18 @@ _PATH = click.Path(path_type=Path)
     show_default=True,
     help="plan: play the planned positions as poses, where there are no vehicles.",
 )
+@click.option(
+    "--vehicles",
+    metavar="WHO",
+    multiple=True,
+    help="sim: simulated vehicles. LINK: vehicles with system ids 1, 2 …, all on one link or each "
+    "on its own (udpin:, udpout:, tcp:, serial:). UAV=SYSID@LINK[#UID] per vehicle. roster: those "
+    "of the scenario's section mavlink_bridge. May be repeated or separated by commas.",
+)
+@key_option
+@speedup_option
+@click.option("--arm", is_flag=True, help="Let /jfto/mission/start arm vehicles that are real.")
+@click.option("--record", is_flag=True, help="Record the graph to DIR/bag (mcap).")
 @click.option(
     "--start-delay",
     type=click.FloatRange(0.0),
@@ -48,35 +64,40 @@ def command(
     scenario: Path,
     out: Path | None,
     plan_file: Path | None,
-    poses: str,
-    start_delay: float,
-    horizon: int,
-    duration: float | None,
-    use_sim_time: bool,
     overrides: tuple[str, ...],
+    duration: float | None,
     debug: bool,  # noqa: ARG001  main() reads it
+    **choices: Any,
 ) -> int:
     """Run the node graph of SCENARIO without ROS 2, one supervised process per node.
 
-    Planner, topology and power (and a pose player with --poses plan) are started in that order; one
+    Planner, topology and power are started, and what --poses, --vehicles and --record ask for; one
     that dies is started again, waiting longer each time; Ctrl-C stops all in reverse order. Each
     node's output is in DIR/logs, the state of all in DIR/status.json.
+
+    Nothing is armed by this: the services /jfto/mission/upload and start are there to be called.
+    Where vehicles are simulated, the whole graph keeps their time, which --speedup makes faster.
 
     A DIR that is there already is gone on with: its plan, its lift-off, its energy account.
 
     Exit status: 0 stopped and all ended cleanly, 1 one did not, 10 the planner was given up,
-    11 topology, 12 power, 13 the pose player.
+    11 topology, 12 power, 13 the pose player, 14 the bridge, 15 the simulated vehicles,
+    16 the recorder.
 
     \b
-    Example:  jfto up config/demo.yaml --poses plan
+    Example:  jfto up config/demo.yaml --vehicles sim --speedup 5 --record
+              jfto service call /jfto/mission/upload std_srvs/srv/Trigger
+              jfto service call /jfto/mission/start std_srvs/srv/Trigger
     """
     loaded = load(scenario, overrides)
 
     from jfto.run_directory import PLAN_NAME, SCENARIO_NAME, write_scenario
-    from jfto.supervision.graph import GraphOptions, graph_commands
+    from jfto.supervision.graph import EXIT_STATUSES, GraphOptions, graph_commands
     from jfto.supervision.supervisor import LOGS, Supervisor
+    from jfto.supervision.vehicles import Vehicles
     from jfto_msgs_py.plan_file import read_plan, write_plan
 
+    vehicles = _vehicles(loaded, choices)
     if out is None:
         out = Path(datetime.now(timezone.utc).strftime("up-%Y%m%dT%H%M%SZ"))
     directory = out.resolve()
@@ -85,18 +106,22 @@ def command(
         # A copy: replanning writes to it.
         write_plan(read_plan(plan_file), directory / PLAN_NAME)
     parameters: dict[str, dict[str, object]] = {
-        "planner_node": {"start_delay_s": float(start_delay)},
-        "topology_node": {"horizon_slots": horizon},
+        "planner_node": {"start_delay_s": float(choices["start_delay"])},
+        "topology_node": {"horizon_slots": choices["horizon"]},
     }
-    for name, values in loaded.node_options.items():
+    who = vehicles or Vehicles(simulated=False, given={})
+    for name, values in who.merged(loaded.node_options).items():
         parameters.setdefault(name, {}).update(values)
     nodes = graph_commands(
         GraphOptions(
             directory / SCENARIO_NAME,
             directory,
             directory / PLAN_NAME,
-            play_poses=poses == "plan",
-            use_sim_time=use_sim_time,
+            play_poses=choices["poses"] == "plan",
+            bridge=vehicles is not None,
+            simulate=who.simulated,
+            record=choices["record"],
+            use_sim_time=choices["use_sim_time"],
             parameters=parameters,
         )
     )
@@ -112,12 +137,36 @@ def command(
     for name, how in outcome.failed.items():
         log = directory / LOGS / f"{name}.log"
         click.echo(f"✗ {name} {how}. Its last words:\n{_last_lines(log)}", err=True)
-        return EXIT_NODE + [node.name for node in nodes].index(name)
+        return EXIT_STATUSES[name]
     return EXIT_UNCLEAN if outcome.unclean else 0
 
 
+def _vehicles(loaded: LoadedScenario, choices: Mapping[str, Any]) -> Vehicles | None:
+    """Who flies as --vehicles has it; None where nobody does. Raises InputError, RosterError."""
+    from jfto.supervision.vehicles import choose_vehicles
+    from jfto_msgs_py.errors import InputError
+
+    texts = roster_texts(choices["vehicles"])
+    if not texts:
+        idle = [name for name in ("key_file", "arm") if choices[name]]
+        if idle or choices["speedup"] != 1.0:
+            raise InputError("--key, --arm and --speedup are for vehicles. Name them: --vehicles.")
+        return None
+    if choices["poses"] != "none":
+        raise InputError("--poses plan is for graphs without --vehicles. Leave one out.")
+    options = loaded.node_options.get("mavlink_bridge", {})
+    return choose_vehicles(
+        texts,
+        loaded.scenario.fleet.ids,
+        options,
+        speedup=choices["speedup"],
+        arm=choices["arm"],
+        key_file=choices["key_file"],
+    )
+
+
 def _tell(name: str, text: str) -> None:
-    click.echo(f"{datetime.now().astimezone():%H:%M:%S}  {name:<14} {text}")
+    click.echo(f"{datetime.now().astimezone():%H:%M:%S}  {name:<15} {text}")
 
 
 def _last_lines(log: Path, count: int = 5) -> str:

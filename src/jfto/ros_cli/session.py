@@ -101,21 +101,28 @@ class Session:
 
 
 @contextlib.contextmanager
-def open_session(spin_time_s: float, node_name: str | None = None) -> Iterator[Session]:
+def open_session(
+    spin_time_s: float, node_name: str | None = None, *, sim_time: bool = False
+) -> Iterator[Session]:
     """Join the graph with a node, hidden unless named, and leave it in the end.
 
-    SIGINT and SIGTERM leave the block by Stopped.
+    With `sim_time` the node's clock is /clock. SIGINT and SIGTERM leave the block by Stopped.
     """
     find_ros()
     import rclpy
     from rclpy.executors import SingleThreadedExecutor
+    from rclpy.parameter import Parameter
     from rclpy.signals import SignalHandlerOptions
 
     with StopSignals() as signals:
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         try:
             name = node_name or f"_ros2cli_{os.getpid()}"
-            node = rclpy.create_node(name, start_parameter_services=False)
+            node = rclpy.create_node(
+                name,
+                start_parameter_services=False,
+                parameter_overrides=[Parameter("use_sim_time", value=sim_time)],
+            )
             executor = SingleThreadedExecutor()
             executor.add_node(node)
             session = Session(node, executor, signals)

@@ -59,9 +59,11 @@ class Process:
     def stop(self, patience_s: float) -> int:
         """End it by SIGINT, then SIGTERM, then SIGKILL, `patience_s` apart; its exit status.
 
-        A shell that starts a program in the background has it and its children ignore SIGINT.
+        A shell that starts a program in the background has it and its children ignore SIGINT, which
+        is then left out.
         """
-        for number in (signal.SIGINT, signal.SIGTERM):
+        heard = signal.getsignal(signal.SIGINT) is not signal.SIG_IGN
+        for number in (signal.SIGINT, signal.SIGTERM) if heard else (signal.SIGTERM,):
             self._process.send_signal(number)
             try:
                 return self._process.wait(patience_s)

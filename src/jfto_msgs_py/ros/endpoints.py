@@ -35,7 +35,7 @@ class Service:
 
 
 _PLANNER, _TOPOLOGY, _POWER, _PLAYER = "planner_node", "topology_node", "power_node", "pose_player"
-_BRIDGE, _RADIO = "mavlink_bridge", "radio_node"
+_BRIDGE, _RADIO, _FLEET = "mavlink_bridge", "radio_node", "simulated_fleet"
 
 TOPICS = (
     Topic(
@@ -130,7 +130,7 @@ TOPICS = (
         topics.DIAGNOSTICS,
         "diagnostic_msgs/msg/DiagnosticArray",
         qos.default,
-        (_PLANNER, _TOPOLOGY, _POWER, _RADIO, _PLAYER, _BRIDGE),
+        (_PLANNER, _TOPOLOGY, _POWER, _RADIO, _PLAYER, _BRIDGE, _FLEET),
         ("any",),
         "one status per UAV and node, once a second",
     ),
@@ -149,6 +149,14 @@ TOPICS = (
         (_BRIDGE,),
         (_PLANNER,),
         "when the flight began: time zero of the plan; once per flight",
+    ),
+    Topic(
+        topics.CLOCK,
+        "rosgraph_msgs/msg/Clock",
+        qos.clock,
+        (_FLEET,),
+        ("all with use_sim_time",),
+        "time of the simulated vehicles, begun at the wall's and faster by `speedup`",
     ),
 )
 SERVICES = (

@@ -1,4 +1,4 @@
-"""The four quality-of-service profiles that the graph uses."""
+"""The quality-of-service profiles that the graph uses."""
 
 from __future__ import annotations
 
@@ -27,6 +27,13 @@ def default() -> Any:
     from rclpy.qos import QoSProfile
 
     return QoSProfile(depth=10)
+
+
+def clock() -> Any:
+    """Best effort, volatile, depth 1: what rclpy's nodes subscribe to /clock with."""
+    from rclpy.qos import QoSProfile, ReliabilityPolicy
+
+    return QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
 def _kept(depth: int) -> Any:

@@ -16,6 +16,7 @@ AIR_ENERGY = "/jfto/air/energy"
 AIR_RATE = "/jfto/air/rate"
 AIR_DELIVERY = "/jfto/air/delivery"
 AIR_GAIN = "/jfto/air/gain"
+CLOCK = "/clock"
 REPLAN = "/jfto/planner/replan"
 _MISSION_VERBS = ("upload", "check", "start", "pause", "resume", "abort")
 MISSION_SERVICES = tuple(f"/jfto/mission/{verb}" for verb in _MISSION_VERBS)
@@ -24,6 +25,12 @@ MISSION_SERVICES = tuple(f"/jfto/mission/{verb}" for verb in _MISSION_VERBS)
 def mission(verb: str) -> str:
     """Service that gives the fleet an order."""
     return f"/jfto/mission/{verb}"
+
+
+# What a recording of the graph holds, as a regular expression for `bag record --regex`.
+RECORDED = (
+    "^(/jfto/.*|/[^/]+/jfto/.*|/[^/]+/(pose|fix|battery)|/diagnostics|/rosout|/parameter_events)$"
+)
 
 
 def path(uav_id: str) -> str:

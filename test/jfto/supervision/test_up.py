@@ -10,15 +10,23 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
+from geometry_msgs.msg import PoseStamped
+from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64MultiArray
+from std_srvs.srv import Trigger
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 
+from jfto.bag.reader import Bag
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.network import decode_power_schedule
+from jfto_msgs_py.ros.stamps import decode_time
+from jfto_msgs_py.ros.vehicle import decode_pose
 from support.graph import Graph
 
-LIMIT_S = 60.0
+# Processes take long to start where other tests run beside them.
+LIMIT_S = 120.0
 
 
 def _up(domain: int, scenario: Path, out: Path, *options: str) -> subprocess.Popen:
@@ -52,12 +60,12 @@ def test_the_graph_heals_after_kill_and_ends_with_ctrl_c(tiny, tmp_path) -> None
         )  # fmt: skip
         try:
             schedules = graph.collect(Float64MultiArray, topics.POWER_SCHEDULE, qos.latched())
-            graph.until(lambda: schedules)
+            graph.until(lambda: schedules, LIMIT_S)
             state = json.loads((tmp_path / "status.json").read_text())
             os.kill(state["power_node"]["pid"], signal.SIGKILL)
             os.kill(state["planner_node"]["pid"], signal.SIGKILL)
             before = len(schedules)
-            graph.until(lambda: len(schedules) > before)
+            graph.until(lambda: len(schedules) > before, LIMIT_S)
             late = graph.collect(MultiDOFJointTrajectory, topics.trajectory("uav1"), qos.latched())
             graph.until(lambda: late)
         finally:
@@ -69,6 +77,52 @@ def test_the_graph_heals_after_kill_and_ends_with_ctrl_c(tiny, tmp_path) -> None
     assert [line.split()[1] for line in output.splitlines() if line.endswith(" stopped")] == [
         "pose_player", "power_node", "topology_node", "planner_node",
     ]  # fmt: skip
+
+
+def _order(graph: Graph, verb: str) -> str:
+    """Give an order to the bridge until it says that it was carried out."""
+    client = graph.observer.create_client(Trigger, f"/jfto/mission/{verb}")
+    graph.until(client.service_is_ready, LIMIT_S)
+    while True:
+        future = client.call_async(Trigger.Request())
+        graph.until(future.done, LIMIT_S)
+        if future.result().success:
+            return future.result().message
+
+
+def test_simulated_vehicles_fly_in_the_graph_and_are_recorded(tiny, tmp_path) -> None:
+    """Orders by service; poses in the vehicles' own time, ten times the wall's; a whole bag."""
+    with Graph() as graph:
+        begun_ns = time.time_ns()
+        process = _up(
+            graph.context.get_domain_id(), tiny, tmp_path, "--vehicles", "sim:4", "--speedup", "10",
+            "--record", "--start-delay", "0",
+        )  # fmt: skip
+        try:
+            clock = graph.collect(Clock, topics.CLOCK, qos.clock())
+            poses = graph.collect(PoseStamped, topics.pose("uav3"), qos.sensor())
+            assert "4 missions on board" in _order(graph, "upload")
+            assert _order(graph, "start") == "flying: uav1, uav2, uav3, uav4"
+            first = decode_pose(poses[-1])
+            graph.until(lambda: decode_pose(poses[-1]).position_m[2] > first.position_m[2] + 20)
+            ran_ns = time.time_ns() - begun_ns
+        finally:
+            status, output = _end(process, signal.SIGTERM)
+    assert status == 0, output
+    stamps = [decode_pose(each).stamp_ns for each in poses]
+    now_ns = decode_time(clock[-1].clock)
+    assert 2 * ran_ns < now_ns - begun_ns < 11 * ran_ns
+    assert 0 <= now_ns - stamps[-1] < 5e9
+    # Stamped by the vehicles, four times a second of their own; /clock ticks less evenly.
+    off_ns = (np.diff(stamps) + 125_000_000) % 250_000_000 - 125_000_000
+    assert np.abs(off_ns).max() <= 2e6
+    facts = Bag(tmp_path / "bag").facts
+    counts = {topic.name: topic.message_count for topic in facts.topics}
+    assert facts.complete
+    assert counts[topics.pose("uav3")] > 20
+    assert {topics.ADJACENCY, topics.trajectory("uav1"), topics.DIAGNOSTICS} <= set(counts)
+    assert topics.CLOCK not in counts
+    assert (tmp_path / "tlogs" / "uav4.tlog").stat().st_size > 1000
 
 
 def test_nodes_end_with_a_killed_supervisor(tiny, tmp_path) -> None:

@@ -1,0 +1,35 @@
+"""The parameters of simulated_fleet besides the scenario's."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from jfto_msgs_py.scenario.key import param
+
+
+@dataclass(frozen=True)
+class SimulatedFleetOptions:
+    """The simulated fleet's own parameters."""
+
+    autostart: bool = param(True, "Configure and activate at start.")
+    plan_file: str = param("", "Plan whose pads they stand on; waited for where there is none yet.")
+    endpoint: str = param(
+        "udpto:127.0.0.1:14550", "Where all of them send MAVLink to: the bridge's link."
+    )
+    speedup: float = param(1.0, "How much faster than the wall clock.", low=0.1, high=50.0)
+    start_time_s: float = param(
+        0.0,
+        "Wall time, seconds since the epoch, at which their time was the same; 0: at start. One "
+        "that is kept makes their time go on over a restart.",
+        unit="s",
+        low=0.0,
+    )
+    clock_rate_hz: float = param(
+        50.0, "How often /clock is published, by the wall clock.", unit="Hz", low=1.0, high=1000.0
+    )
+    gps_noise_m: float = param(
+        0.0, "Standard deviation of their horizontal position.", unit="m", low=0.0, high=100.0
+    )
+    seed: int = param(0, "Of all randomness.", low=0)
+    faults: tuple[str, ...] = param((), "Fault lines carried out at start (docs/simulator.md).")
+    control_port: int = param(0, "UDP port that takes fault lines; 0: none.", low=0, high=65535)

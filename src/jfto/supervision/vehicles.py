@@ -1,0 +1,121 @@
+"""Which vehicles a graph flies, as parameters of the processes that speak with them."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from jfto_mavlink.bridge_options import BridgeOptions
+from jfto_mavlink.errors import RosterError
+from jfto_mavlink.link.address import parse_address
+from jfto_mavlink.link.free_port import free_udp_port
+from jfto_mavlink.open_vehicles import read_roster, simulated_count
+
+SIMULATED = "sim"
+FROM_SCENARIO = "roster"
+# A scenario's words on who flies; those of the command line replace them.
+_WHO = ("roster", "endpoints", "key_file", "speedup", "vehicle_stamps")
+
+Parameters = dict[str, dict[str, object]]
+
+
+@dataclass(frozen=True)
+class Vehicles:
+    """Who flies. `given` parameters, by node, win over the scenario's, `suited` ones do not."""
+
+    simulated: bool
+    given: Parameters
+    suited: Parameters = field(default_factory=dict)
+
+    def merged(self, node_options: Mapping[str, Mapping[str, object]]) -> Parameters:
+        """Parameters by node: suited ones, over them the scenario's, over them the given."""
+        merged: Parameters = {name: dict(values) for name, values in self.suited.items()}
+        for name, values in node_options.items():
+            kept = {key: value for key, value in values.items() if key not in _WHO}
+            chosen = values if name != "mavlink_bridge" else kept
+            merged.setdefault(name, {}).update(chosen)
+        for name, values in self.given.items():
+            merged.setdefault(name, {}).update(values)
+        return merged
+
+
+def choose_vehicles(
+    texts: Sequence[str],
+    uavs: Sequence[str],
+    options: Mapping[str, object],
+    *,
+    speedup: float = 1.0,
+    arm: bool = False,
+    key_file: Path | None = None,
+) -> Vehicles:
+    """Vehicles as `--vehicles` names them.
+
+    `texts` is one of: ("sim",) or ("sim:N",); links, one for all UAVs or one each, which then have
+    the system ids 1, 2 …; roster entries UAV=SYSID@LINK[#UID]; ("roster",), which leaves it to
+    `options`, the scenario's section mavlink_bridge. `arm` lets the start service arm real ones.
+    Raises RosterError, LinkAddressError.
+    """
+    if texts[0].partition(":")[0] == SIMULATED:
+        _check_simulated(texts, uavs)
+        if key_file is not None:
+            raise RosterError(201, "simulated vehicles start without a key; leave --key out.")
+        return _simulated(speedup)
+    if speedup != 1.0:
+        raise RosterError(201, "--speedup is for simulated vehicles (sim); real ones keep time.")
+    bridge: dict[str, object]
+    if tuple(texts) == (FROM_SCENARIO,):
+        bridge = {key: options[key] for key in _WHO if key in options}
+        if not bridge.get("roster") and not bridge.get("endpoints"):
+            raise RosterError(
+                201, "the scenario's section mavlink_bridge names no roster and no endpoints."
+            )
+    elif any("=" in text for text in texts):
+        bridge = {"roster": tuple(texts)}
+    else:
+        bridge = {"endpoints": tuple(str(parse_address(text)) for text in texts)}
+    if key_file is not None:
+        bridge["key_file"] = str(key_file)
+    if arm:
+        bridge["allow_arming"] = True
+    asked = BridgeOptions(**bridge)  # type: ignore[arg-type]
+    if simulated_count(asked) is None:
+        read_roster(asked, uavs)
+    return Vehicles(simulated=False, given={"mavlink_bridge": bridge})
+
+
+def _check_simulated(texts: Sequence[str], uavs: Sequence[str]) -> None:
+    count = texts[0].partition(":")[2]
+    if len(texts) != 1 or (count and count != str(len(uavs))):
+        raise RosterError(
+            201, f"{','.join(texts)}: the fleet has {len(uavs)} UAVs, so it must be sim or "
+            f"sim:{len(uavs)}."
+        )  # fmt: skip
+
+
+def _simulated(speedup: float) -> Vehicles:
+    """A process of simulated vehicles and the bridge to it, on a port that is free now."""
+    port = free_udp_port()
+    # A busy computer stalls a process for seconds of sped-up time.
+    patience = max(1.0, speedup / 4)
+    return Vehicles(
+        simulated=True,
+        given={
+            "simulated_fleet": {
+                "endpoint": f"udpto:127.0.0.1:{port}",
+                "speedup": float(speedup),
+                "start_time_s": time.time(),
+            },
+            "mavlink_bridge": {
+                "endpoints": (f"udpin:127.0.0.1:{port}",),
+                "speedup": float(speedup),
+                "vehicle_stamps": True,
+                "allow_arming": True,
+            },
+        },
+        suited={
+            "mavlink_bridge": {"telemetry_rate_hz": min(10.0, max(4.0, 20.0 / speedup))},
+            "topology_node": {"stale_after_s": 3.0 * patience, "pose_wait_s": 0.2 * patience},
+        },
+    )

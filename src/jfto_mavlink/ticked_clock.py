@@ -1,0 +1,54 @@
+"""A clock that comes in ticks, such as /clock, read finely between them."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+# A clock whose ticks have stopped is not carried on for longer than this, in wall seconds.
+AHEAD_MAX_S = 0.2
+NS = 1_000_000_000
+
+
+class TickedClock:
+    """A node's clock in seconds; between ticks of simulated time it goes on at `speedup`.
+
+    It never goes back. May be read in any thread; call `close` before the node goes.
+    """
+
+    def __init__(self, clock: Any, speedup: float) -> None:
+        from rclpy.clock import JumpThreshold
+        from rclpy.duration import Duration
+
+        self._clock, self._speedup = clock, speedup
+        self._tick = (self._now_ns(), time.monotonic())
+        self._last_ns = 0
+        every = JumpThreshold(
+            min_forward=Duration(nanoseconds=1), min_backward=None, on_clock_change=True
+        )
+        self._jumps = clock.create_jump_callback(every, post_callback=self._on_jump)
+
+    def now_ns(self) -> int:
+        """Time, ns since the epoch; 0 until simulated time has come."""
+        if not self._clock.ros_time_is_active:
+            return self._now_ns()
+        tick_ns, at_s = self._tick
+        if tick_ns == 0:
+            return 0
+        ahead_s = min(time.monotonic() - at_s, AHEAD_MAX_S) * self._speedup
+        self._last_ns = max(self._last_ns, tick_ns + round(ahead_s * NS))
+        return self._last_ns
+
+    def __call__(self) -> float:
+        """Time in seconds since the epoch."""
+        return self.now_ns() / NS
+
+    def close(self) -> None:
+        """Listen to no more ticks."""
+        self._jumps.unregister()
+
+    def _now_ns(self) -> int:
+        return int(self._clock.now().nanoseconds)
+
+    def _on_jump(self, _jump: Any) -> None:
+        self._tick = (self._now_ns(), time.monotonic())

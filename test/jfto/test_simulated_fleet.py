@@ -1,0 +1,81 @@
+"""Simulated vehicles on a plan's pads, and the time that all of them keep."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray
+from rosgraph_msgs.msg import Clock
+
+from jfto.simulated_fleet import FleetTime, pads, vehicle_configs
+from jfto.simulated_fleet_node import SimulatedFleetNode
+from jfto_mavlink.link.free_port import free_udp_port
+from jfto_msgs_py.errors import JftoError
+from jfto_msgs_py.ros import qos, topics
+from jfto_msgs_py.ros.stamps import decode_time
+from jfto_msgs_py.scenario import Given, make_scenario
+from jfto_sim import Vehicle, VehicleConfig
+from jfto_sim.server import ServerSettings, SimServer
+from support.graph import Graph
+from support.plans import side_by_side
+
+
+def test_time_goes_on_from_where_it_began_and_then_by_the_vehicles() -> None:
+    """A restarted process goes on where the last one was; stalled vehicles stall the time."""
+    began_s = time.time() - 60.0
+    fleet_time = FleetTime(10.0, began_s)
+    ahead_s = fleet_time.now_ns() / 1e9 - began_s
+    assert 600.0 <= ahead_s <= 600.0 + 10 * (time.time() - began_s - 60.0) + 1e-3
+    boot_ns = fleet_time.now_ns()
+    configs = vehicle_configs({"uav1": (47.0, 8.0, 400.0)}, {}, boot_ns)
+    with SimServer(configs, ServerSettings((("udp:127.0.0.1:0",),))) as server:
+        fleet_time.follow(server, boot_ns)
+        end_s = time.monotonic() + 30.0
+        while not server.elapsed_s:
+            assert time.monotonic() < end_s
+    assert fleet_time.now_ns() == boot_ns + round(server.elapsed_s * 1e9)
+    assert fleet_time.now_ns() - boot_ns < 30e9
+
+
+def test_a_restart_does_not_set_a_vehicles_utc_back() -> None:
+    """The time that it is dark counts."""
+    vehicle = Vehicle(VehicleConfig(utc_at_boot_us=10**15))
+    vehicle.advance(2.5)
+    vehicle.reboot()
+    vehicle.advance(2.0)
+    assert vehicle.utc_us == pytest.approx(10**15 + 4_500_000, abs=1.0)
+
+
+def test_vehicles_stand_on_the_pads_of_the_plan() -> None:
+    """System ids in the order of the fleet, heights above sea level."""
+    plan = side_by_side(make_scenario([{"fleet.count": Given(3, "test")}]))
+    configs = vehicle_configs(pads(plan), {}, 10**18, seed=5)
+    assert [config.sysid for config in configs] == list(range(1, len(plan.uavs) + 1))
+    height_m = plan.origin.alt_m + plan.uavs[0].start_m[2]
+    assert configs[0].home_alt_m == pytest.approx(height_m, abs=0.1)
+    assert configs[1].seed == 6
+
+
+def test_the_clock_runs_before_there_are_vehicles(tmp_path) -> None:
+    """The planner, which has still to write their pads, needs a time."""
+    with Graph() as graph:
+        graph.add(
+            SimulatedFleetNode, None, plan_file=str(tmp_path / "none.json"), speedup=20.0,
+            endpoint=f"udpto:127.0.0.1:{free_udp_port()}", use_sim_time=True,
+        )  # fmt: skip
+        ticks = graph.collect(Clock, topics.CLOCK, qos.clock())
+        said = graph.collect(DiagnosticArray, topics.DIAGNOSTICS, qos.default())
+        begun_s = time.time()
+        graph.until(lambda: len(ticks) > 20 and said)
+        wall_s = time.time() - begun_s
+    stamps = [decode_time(tick.clock) for tick in ticks]
+    assert stamps == sorted(stamps)
+    assert (stamps[-1] - stamps[0]) / 1e9 > 5 * wall_s
+    assert "none.json is not there yet" in said[-1].status[0].message
+
+
+def test_a_fleet_without_a_plan_is_refused() -> None:
+    """Nobody knows where its vehicles would stand."""
+    with Graph() as graph, pytest.raises(JftoError, match="plan_file is empty"):
+        graph.add(SimulatedFleetNode)
