@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from jfto.comparison import Comparison
@@ -21,9 +21,9 @@ from jfto.scenario_file import LoadedScenario, load_scenario
 from jfto.stages.compare import compare
 from jfto.stages.drawing import draw_figures
 from jfto.stages.reporting import write_report
-from jfto.stages.routes import is_clean, plan_routes
+from jfto.stages.routes import is_clean, plan_routes, read_and_certify
 from jfto.stages.survey import load_ground, survey
-from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.errors import InputError, PlanError
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.plan_file import read_plan, write_plan
 from jfto_msgs_py.write_file import write_file
@@ -44,7 +44,52 @@ class Run:
 
 
 def run_all(loaded: LoadedScenario, directory: Path, watcher: Watcher) -> Run:
-    """Every stage in order; raises JftoError, leaving the results so far in `directory`."""
+    """Every stage of the desk job; raises JftoError, leaving the results so far in `directory`."""
+    run, dem = _plan(loaded, directory, watcher)
+    if run.interrupted:
+        return run
+    comparison, report = _conclude(loaded, directory, run.plan, dem, watcher)
+    return replace(run, comparison=comparison, report=report)
+
+
+def plan_only(loaded: LoadedScenario, directory: Path, watcher: Watcher) -> Run:
+    """Terrain to plan; raises JftoError, leaving the results so far in `directory`."""
+    return _plan(loaded, directory, watcher)[0]
+
+
+def take_plan(loaded: LoadedScenario, file: Path, directory: Path, watcher: Watcher) -> Run:
+    """A plan that is there already, checked anew and copied to `directory`.
+
+    Raises PlanError where it is not for the scenario's fleet and slots.
+    """
+    write_scenario(loaded, directory / SCENARIO_NAME)
+    watcher.begin("routes", "checking with independent code")
+    plan = read_and_certify(file)
+    _require_fit(plan, loaded, file)
+    path = save_plan(plan, directory / PLAN_NAME)
+    length = f"{plan.total_length_m / 1000:.2f} km"
+    watcher.end("routes", length, f"from {file}, checked anew", good=is_clean(plan))
+    if plan.scenario_hash != loaded.scenario.scenario_hash():
+        watcher.warn(f"{file} was planned with other values than {loaded.path} has.")
+    return Run(plan, path, None, None, interrupted=False)
+
+
+def _require_fit(plan: Plan, loaded: LoadedScenario, file: Path) -> None:
+    scenario = loaded.scenario
+    ids = tuple(uav.id for uav in plan.uavs)
+    if ids != scenario.fleet.ids:
+        raise PlanError(
+            f"{file} is for {', '.join(ids)}, {loaded.path} for {', '.join(scenario.fleet.ids)}. "
+            "Give both the same fleet."
+        )
+    if plan.slots.count != scenario.mission.slot_count:
+        raise PlanError(
+            f"{file} has {plan.slots.count} slots, mission.slot_count in {loaded.path} is "
+            f"{scenario.mission.slot_count}. Make them agree."
+        )
+
+
+def _plan(loaded: LoadedScenario, directory: Path, watcher: Watcher) -> tuple[Run, Dem]:
     write_scenario(loaded, directory / SCENARIO_NAME)
     found = survey(loaded, watcher)
     if found.coverage is not None:
@@ -53,10 +98,7 @@ def run_all(loaded: LoadedScenario, directory: Path, watcher: Watcher) -> Run:
         )
     planned = plan_routes(loaded.scenario, found, watcher)
     path = save_plan(planned.plan, directory / PLAN_NAME)
-    if planned.interrupted:
-        return Run(planned.plan, path, None, None, interrupted=True)
-    comparison, report = _conclude(loaded, directory, planned.plan, found.dem, watcher)
-    return Run(planned.plan, path, comparison, report, interrupted=False)
+    return Run(planned.plan, path, None, None, interrupted=planned.interrupted), found.dem
 
 
 def rebuild(directory: Path, watcher: Watcher) -> Run:
