@@ -11,6 +11,7 @@ import yaml
 
 from jfto.scenario_file import SHARED, LoadedScenario
 from jfto.stages.survey import BUILT_IN_DEM
+from jfto.supervision.graph import BAG_NAME, ENERGY_NAME, LIFT_OFF_NAME
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.write_file import write_file
 
@@ -37,6 +38,16 @@ def make_run_directory(out: Path | None) -> Path:
             f"{out}: cannot be made: {error.strerror}. Name another place with --out."
         ) from None
     return out
+
+
+def require_no_flight(directory: Path) -> None:
+    """Refuse a directory that a flight was recorded in; raises InputError."""
+    for name in (BAG_NAME, LIFT_OFF_NAME, ENERGY_NAME):
+        if (directory / name).exists():
+            raise InputError(
+                f"{directory}: holds a flight already ({name}). Name another directory with --out; "
+                f"--plan {directory / PLAN_NAME} flies its plan again."
+            )
 
 
 def what_is_kept(directory: Path) -> str:

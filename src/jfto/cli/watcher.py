@@ -64,6 +64,15 @@ class TerminalWatcher:
         """Print a line that stays."""
         self.console.print(f"[yellow]![/yellow] {escape(text)}", soft_wrap=True)
 
+    def pause(self) -> None:
+        """Leave the terminal to somebody else until `resume`."""
+        self._clear()
+        self._progress.stop()
+
+    def resume(self) -> None:
+        """Have the terminal again."""
+        self._progress.start()
+
     def _clear(self) -> None:
         if self._task is not None:
             self._progress.remove_task(self._task)

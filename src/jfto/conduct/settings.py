@@ -15,7 +15,7 @@ class Patience:
     was ordered to show.
     """
 
-    link_s: float = 90.0
+    link_s: float = 180.0
     order_s: float = 300.0
     abort_s: float = 60.0
     again_s: float = 5.0

@@ -16,7 +16,7 @@ from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.write_file import write_file
 
 # A node ends within 2 s of SIGINT; one that does not is killed.
-_PATIENCE_S = 4.0
+PATIENCE_S = 4.0
 # How often logs are looked at for errors.
 _LOOK_S = 0.5
 STATUS_NAME = "status.json"
@@ -61,7 +61,8 @@ class Supervisor:
     """Runs nodes until `stop` or until one is given up; `tell` hears what happens, in words.
 
     Of `essential` nodes, all where None, none may be given up; without another one the rest goes
-    on. `died` hears of each death, in the thread of `run`.
+    on. `died` hears of each death, in the thread of `run`. One that does not end within
+    `patience_s` of being asked is made to.
 
     Each node's output goes to `directory`/logs/<name>.log; `directory`/status.json always holds
     the state of all.
@@ -75,6 +76,7 @@ class Supervisor:
         settings: BackOffSettings | None = None,
         essential: Collection[str] | None = None,
         died: Callable[[Death], None] = lambda _death: None,
+        patience_s: float = PATIENCE_S,
     ) -> None:
         chosen = settings or BackOffSettings()
         self._slots = [
@@ -83,6 +85,7 @@ class Supervisor:
         ]
         self._directory = directory
         self._tell, self._died, self._essential = tell, died, essential
+        self._patience_s = patience_s
         self._events: queue.SimpleQueue[tuple[_Slot, Process, int] | None] = queue.SimpleQueue()
 
     def run(self) -> Outcome:
@@ -176,7 +179,7 @@ class Supervisor:
             process, slot.process, slot.again_at_s = slot.process, None, None
             if process is None:
                 continue
-            status = process.stop(_PATIENCE_S)
+            status = process.stop(self._patience_s)
             self._tell(slot.node.name, "stopped" if status == 0 else ending(status))
             if status != 0:
                 unclean[slot.node.name] = ending(status)

@@ -127,7 +127,7 @@ def test_vehicles_that_are_not_heard_are_not_waited_for_without_end() -> None:
     """The line names them."""
     stand = Stand()
     stand.see(PAD, UavSeen())
-    stand.see(PAD, UavSeen(), after_s=91.0)
+    stand.see(PAD, UavSeen(), after_s=181.0)
     assert stand.conductor.outcome is not None
     assert "uav2 not heard. Nothing was armed." in stand.conductor.outcome.text
 

@@ -1,0 +1,96 @@
+"""What `jfto run` says in the end: one line for the flight, one for the record, the report."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from jfto.bag.errors import BagError
+from jfto.bag.reader import Bag
+from jfto.cli.failure import EXIT_INTERRUPTED, EXIT_OTHER
+from jfto.cli.summary import plan_facts, print_comparison, print_infeasible, print_json
+from jfto.cli.watcher import TerminalWatcher
+from jfto.conduct.flight_job import FlightEnd, FlightJob
+from jfto.conduct.outcome import Ending
+from jfto.export import comparison_object
+from jfto.pipeline import Run
+from jfto.scenario_file import LoadedScenario
+from jfto.stages.routes import is_clean
+from jfto.supervision.graph import BAG_NAME
+from jfto_msgs_py.plan import Plan
+
+
+def say_flight(plan: Plan, job: FlightJob, end: FlightEnd, watcher: TerminalWatcher) -> None:
+    """How the flight went and what was recorded of it."""
+    missed = missed_waypoints(plan, end)
+    good = end.outcome.good and not (end.outcome.flown and missed)
+    parts = [] if end.outcome.ending == Ending.LANDED else [end.outcome.text]
+    if end.outcome.flown:
+        total = len(plan.waypoints)
+        parts.append(f"{missed} of {total} waypoints missed" if missed else "all waypoints reached")
+    if end.outcome.ending == Ending.LANDED:
+        parts.append("all down")
+    if end.speedup is not None and job.simulated:
+        parts.append(f"{end.speedup:.1f} × real time ({job.settings.speedup:g} asked)")
+    watcher.end("flight", f"{len(plan.uavs)} vehicles", ", ".join(parts), good=good)
+    for path in sorted(job.directory.glob(f"{BAG_NAME}*")):
+        _say_bag(path, watcher)
+
+
+def _say_bag(path: Path, watcher: TerminalWatcher) -> None:
+    size = sum(file.stat().st_size for file in path.rglob("*") if file.is_file())
+    try:
+        topics = len(Bag(path).facts.topics)
+    except BagError as error:
+        watcher.end("record", str(path), str(error), good=False)
+        return
+    watcher.end("record", f"{size / 1e6:.1f} MB", f"{topics} topics in {path}")
+
+
+def missed_waypoints(plan: Plan, end: FlightEnd) -> int:
+    """How many waypoints no vehicle was seen to reach."""
+    return sum(
+        max(len(route.waypoint_ids) - uav.reached, 0)
+        for route, uav in zip(plan.routes, end.seen.uavs.values(), strict=True)
+    )
+
+
+def print_run(loaded: LoadedScenario, run: Run, end: FlightEnd | None, *, as_json: bool) -> None:
+    """The comparison at the desk, what is infeasible, and where the report lies."""
+    assert run.comparison is not None
+    scene = loaded.scenario.evaluation.paper_scene
+    if as_json:
+        facts = plan_facts(run.plan, str(run.plan_path))
+        facts["comparison"] = comparison_object(run.plan, run.comparison, scene)
+        facts["flight"] = None if end is None else _flight_facts(run.plan, end)
+        facts["report"] = str(run.report)
+        print_json(facts)
+        return
+    print_comparison([("this scene" if scene == "none" else scene, run.comparison)])
+    if not is_clean(run.plan):
+        print_infeasible(run.plan, str(run.plan_path))
+    click.echo(f"Report      {run.report}")
+
+
+def _flight_facts(plan: Plan, end: FlightEnd) -> dict[str, Any]:
+    return {
+        "ended": end.outcome.ending.value,
+        "text": end.outcome.text,
+        "flown": end.outcome.flown,
+        "interrupted": end.outcome.interrupted,
+        "waypoints_missed": missed_waypoints(plan, end) if end.outcome.flown else None,
+        "speedup": None if end.speedup is None else round(end.speedup, 2),
+        "processes_died": [{"name": each.name, "how": each.how} for each in end.deaths],
+    }
+
+
+def run_status(run: Run, end: FlightEnd | None) -> int:
+    """Exit status of a feasible run."""
+    if end is None:
+        return 0
+    if end.outcome.interrupted:
+        return EXIT_INTERRUPTED
+    missed = end.outcome.flown and missed_waypoints(run.plan, end)
+    return EXIT_OTHER if missed or not end.outcome.good else 0

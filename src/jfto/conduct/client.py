@@ -1,0 +1,201 @@
+"""The conductor's own node: it hears the graph, gives orders and says what happened."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
+from typing import Any
+
+import rclpy
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PoseStamped
+from rcl_interfaces.msg import Log
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.parameter import Parameter
+from rclpy.serialization import deserialize_message
+from rclpy.signals import SignalHandlerOptions
+from sensor_msgs.msg import BatteryState
+from std_msgs.msg import Float64, UInt8MultiArray
+from std_srvs.srv import Trigger
+
+from jfto.conduct.heard import Heard
+from jfto.conduct.seen import Seen
+from jfto.field.keeper import FieldKeeper
+from jfto_msgs_py.errors import InputError, MessageError
+from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.ros import qos, topics
+from jfto_msgs_py.ros.diagnostics import decode_diagnostics
+from jfto_msgs_py.ros.events import Event, decode_event, encode_event
+from jfto_msgs_py.ros.network import decode_adjacency
+from jfto_msgs_py.ros.stamps import decode_time
+from jfto_msgs_py.ros.vehicle import decode_pose
+
+NODE_NAME = "conductor"
+# How long the network is listened to for graphs that run already.
+_LISTEN_S = 1.0
+
+
+class Client:
+    """Subscriptions that feed a `Heard` and a `FieldKeeper`, and clients of the mission services.
+
+    `answered` is called from `spin` with verb, success and text of each order's answer.
+    """
+
+    def __init__(
+        self,
+        node: Any,
+        executor: Any,
+        plan: Plan,
+        keeper: FieldKeeper,
+        answered: Callable[[str, bool, str], None],
+    ) -> None:
+        self.heard = Heard(tuple(uav.id for uav in plan.uavs))
+        self._node, self._executor, self._keeper = node, executor, keeper
+        self._answered = answered
+        self._orders: dict[str, Any] = {}
+        # Poses come by the hundred: only the last of each is decoded, when somebody looks.
+        self._poses: dict[str, bytes] = {}
+        self._subscribe(plan)
+        self._events = node.create_publisher(Log, topics.EVENTS, qos.events())
+
+    def _subscribe(self, plan: Plan) -> None:
+        node = self._node
+        subscribe = node.create_subscription
+        subscribe(DiagnosticArray, topics.DIAGNOSTICS, self._on_diagnostics, qos.default())
+        subscribe(Log, topics.EVENTS, self._on_event, qos.events())
+        subscribe(Time, topics.LIFT_OFF, self._on_lift_off, qos.latched())
+        subscribe(UInt8MultiArray, topics.ADJACENCY, self._on_adjacency, qos.latched())
+        for uav in (each.id for each in plan.uavs):
+            on_pose = partial(self._poses.__setitem__, uav)
+            subscribe(PoseStamped, topics.pose(uav), on_pose, qos.sensor(), raw=True)
+            on_battery = partial(self._on_battery, uav)
+            subscribe(BatteryState, topics.battery(uav), on_battery, qos.sensor())
+            on_power = partial(self._on_power, uav)
+            subscribe(Float64, topics.tx_power(uav), on_power, qos.latched())
+
+    @property
+    def now_ns(self) -> int:
+        """The vehicles' time, ns since the epoch; 0 until simulated time has come."""
+        return int(self._node.get_clock().now().nanoseconds)
+
+    def spin(self, duration_s: float) -> None:
+        """Take in what comes within a while."""
+        end_s = time.monotonic() + duration_s
+        while (left_s := end_s - time.monotonic()) > 0:
+            self._executor.spin_once(timeout_sec=left_s)
+        self._exchange()
+
+    def seen(self) -> Seen:
+        """The fleet as it was last heard of."""
+        return self.heard.seen(time.monotonic(), self.now_ns / 1e9)
+
+    def order(self, verb: str) -> None:
+        """Call a mission service once it is there; its answer comes through `answered`."""
+        self._drop(verb)
+        self._orders[verb] = (self._node.create_client(Trigger, topics.mission(verb)), None)
+
+    def _exchange(self) -> None:
+        """Send what can be sent by now, and pass on the answers that have come."""
+        for verb, (client, future) in list(self._orders.items()):
+            if future is None:
+                if client.service_is_ready():
+                    self._orders[verb] = (client, client.call_async(Trigger.Request()))
+            elif future.done():
+                response = future.result()
+                self._drop(verb)
+                self._answered(verb, bool(response.success), str(response.message))
+
+    def drop_orders(self) -> None:
+        """Wait for no answer any more: who should have given it is gone."""
+        for verb in list(self._orders):
+            self._drop(verb)
+
+    def _drop(self, verb: str) -> None:
+        client, future = self._orders.pop(verb, (None, None))
+        if future is not None:
+            future.cancel()
+        if client is not None:
+            self._node.destroy_client(client)
+
+    def publish_event(self, level: int, kind: str, text: str) -> None:
+        """Tell everybody, the recorder too, what happened and what was done."""
+        event = Event(self.now_ns, level, NODE_NAME, kind, "", " ".join(text.split()))
+        self._events.publish(encode_event(event))
+
+    def take_poses(self) -> None:
+        """Hand the last pose of each UAV to the keeper."""
+        poses = dict(self._poses)
+        self._poses.clear()
+        for uav, data in poses.items():
+            self._on_pose(uav, deserialize_message(bytes(data), PoseStamped))
+
+    def _on_pose(self, uav: str, message: Any) -> None:
+        self._kept(lambda: self._keeper.take_pose(uav, decode_pose(message)))
+
+    def _on_diagnostics(self, message: Any) -> None:
+        self._kept(lambda: self.heard.take(decode_diagnostics(message)))
+
+    def _on_event(self, message: Any) -> None:
+        self._kept(lambda: self._keeper.take_event(decode_event(message)))
+
+    def _on_lift_off(self, message: Any) -> None:
+        self._kept(lambda: self._keeper.take_lift_off(decode_time(message, "lift_off")))
+
+    def _on_adjacency(self, message: Any) -> None:
+        self._kept(lambda: self._keeper.take_adjacency(decode_adjacency(message)))
+
+    def _on_battery(self, uav: str, message: Any) -> None:
+        self._keeper.take_battery(uav, float(message.percentage))
+
+    def _on_power(self, uav: str, message: Any) -> None:
+        self._keeper.take_power(uav, float(message.data), self.now_ns)
+
+    def _kept(self, take: Callable[[], None]) -> None:
+        try:
+            take()
+        except MessageError as error:
+            self._node.get_logger().warning(str(error), throttle_duration_sec=5.0)
+
+
+@contextmanager
+def open_client(
+    plan: Plan,
+    keeper: FieldKeeper,
+    answered: Callable[[str, bool, str], None],
+    *,
+    use_sim_time: bool,
+) -> Iterator[Client]:
+    """Join the graph for as long as the context lasts.
+
+    Raises InputError where a graph of another program runs on the same ROS domain already: two
+    would give orders to the same vehicles.
+    """
+    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+    try:
+        overrides = [Parameter("use_sim_time", value=use_sim_time)]
+        node = rclpy.create_node(NODE_NAME, parameter_overrides=overrides)
+        executor = SingleThreadedExecutor()
+        executor.add_node(node)
+        try:
+            _require_a_quiet_domain(node, executor)
+            yield Client(node, executor, plan, keeper, answered)
+        finally:
+            executor.shutdown()
+            node.destroy_node()
+    finally:
+        rclpy.try_shutdown()
+
+
+def _require_a_quiet_domain(node: Any, executor: Any) -> None:
+    end_s = time.monotonic() + _LISTEN_S
+    while time.monotonic() < end_s:
+        executor.spin_once(timeout_sec=0.1)
+        names = node.get_node_names()
+        if names.count(NODE_NAME) > 1 or "mavlink_bridge" in names:
+            raise InputError(
+                "another flight runs on this ROS domain. End it, or set ROS_DOMAIN_ID to another "
+                "number for this one. Nothing was started."
+            )

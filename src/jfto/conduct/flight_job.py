@@ -1,0 +1,247 @@
+"""The graph, the conductor and the operator, brought together for one flight."""
+
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+from jfto.conduct.actions import ERROR, WARN, Ask, Order, Tell
+from jfto.conduct.conductor import Conductor, Stage
+from jfto.conduct.interrupts import Interrupts
+from jfto.conduct.outcome import Outcome
+from jfto.conduct.seen import Seen
+from jfto.conduct.settings import ConductSettings
+from jfto.field.keeper import FieldKeeper
+from jfto.field.state import FieldState
+from jfto.nodes import use_stand_in_where_needed
+from jfto.run_directory import LOG_NAME
+from jfto.supervision.back_off import BackOffSettings
+from jfto.supervision.process import NodeCommand
+from jfto.supervision.supervisor import Death, Supervisor
+from jfto_msgs_py.plan import Plan
+
+if TYPE_CHECKING:
+    from jfto.conduct.client import Client
+
+_LOOK_S = 0.2
+_SHOW_EVERY_S = 0.5
+# Without one of these there is no flight; the rest is started again for as long as it lasts.
+ESSENTIAL = ("mavlink_bridge", "simulated_fleet")
+# A recorder that is made to end leaves a bag without an index: on a busy computer it takes a while.
+_END_PATIENCE_S = 30.0
+_BACK_OFF = BackOffSettings(give_up_after=1000)
+
+
+class Operator(Protocol):
+    """Who watches the flight and has the last word."""
+
+    def tell(self, text: str, level: int) -> None:
+        """A line, before anything flies."""
+
+    def ask(self, idle: Callable[[], bool]) -> bool:
+        """Whether the fleet may arm; waits for the operator for as long as `idle()` is true.
+
+        `idle` takes a fraction of a second, in which the graph is listened to.
+        """
+
+    def show(self, state: FieldState) -> None:
+        """How everything stands, twice a second from the start on."""
+
+
+@dataclass(frozen=True)
+class FlightJob:
+    """What is flown: a plan, the processes of its graph, and how it is conducted."""
+
+    title: str
+    directory: Path
+    plan: Plan
+    nodes: tuple[NodeCommand, ...]
+    settings: ConductSettings
+    simulated: bool
+
+
+@dataclass(frozen=True)
+class FlightEnd:
+    """How a flight ended, what was seen last, and how fast the vehicles' time passed."""
+
+    outcome: Outcome
+    seen: Seen
+    speedup: float | None
+    deaths: tuple[Death, ...] = ()
+
+
+def fly(job: FlightJob, operator: Operator) -> FlightEnd:
+    """Run the graph and conduct the flight; returns when it is over and all processes have ended.
+
+    Raises InputError where another flight runs on this ROS domain.
+    """
+    use_stand_in_where_needed()
+    from jfto.conduct.client import open_client
+
+    conductor = Conductor(job.settings)
+    keeper = FieldKeeper(job.plan, job.title)
+
+    def answered(verb: str, success: bool, text: str) -> None:
+        conductor.answered(verb, success=success, text=text)
+
+    with (
+        Interrupts() as interrupts,
+        open_client(job.plan, keeper, answered, use_sim_time=job.simulated) as client,
+        _supervised(job) as graph,
+    ):
+        return _Loop(job, operator, conductor, keeper, client, graph, interrupts).run()
+
+
+class _Graph:
+    """The supervised processes; deaths are kept for the loop."""
+
+    def __init__(self, job: FlightJob) -> None:
+        self.deaths: queue.SimpleQueue[Death] = queue.SimpleQueue()
+        self._log = (job.directory / LOG_NAME).open("a", encoding="utf-8")
+        essential = [node.name for node in job.nodes if node.name in ESSENTIAL]
+        self._supervisor = Supervisor(
+            job.nodes,
+            job.directory,
+            self._tell,
+            _BACK_OFF,
+            essential,
+            self.deaths.put,
+            _END_PATIENCE_S,
+        )
+        self._thread = threading.Thread(target=self._supervisor.run, name="supervisor")
+
+    def start(self) -> None:
+        """Start all processes."""
+        self._thread.start()
+
+    @property
+    def ended(self) -> bool:
+        """Whether the supervisor has given up."""
+        return not self._thread.is_alive()
+
+    def close(self) -> None:
+        """End all processes in the reverse order of their start."""
+        self._supervisor.stop()
+        self._thread.join()
+        self._log.close()
+
+    def _tell(self, name: str, text: str) -> None:
+        print(f"{time.strftime('%H:%M:%S')}  {name:<15} {text}", file=self._log, flush=True)
+
+
+@contextmanager
+def _supervised(job: FlightJob) -> Iterator[_Graph]:
+    graph = _Graph(job)
+    graph.start()
+    try:
+        yield graph
+    finally:
+        graph.close()
+
+
+class _Loop:
+    """Looks, lets the conductor decide, and does what it says."""
+
+    def __init__(
+        self,
+        job: FlightJob,
+        operator: Operator,
+        conductor: Conductor,
+        keeper: FieldKeeper,
+        client: Client,
+        graph: _Graph,
+        interrupts: Interrupts,
+    ) -> None:
+        self._job, self._operator, self._conductor = job, operator, conductor
+        self._keeper, self._client, self._graph = keeper, client, graph
+        self._interrupts = interrupts
+        self._deaths: list[Death] = []
+        self._flight: list[Seen] = []
+        self._shown_s = 0.0
+
+    def run(self) -> FlightEnd:
+        """Until the conductor has an outcome."""
+        conductor, seen = self._conductor, self._client.seen()
+        while conductor.outcome is None:
+            self._client.spin(_LOOK_S)
+            self._mourn()
+            if self._interrupts.take():
+                conductor.interrupt()
+            seen = self._client.seen()
+            conductor.step(seen)
+            self._act()
+            self._look(seen)
+        self._publish(conductor.outcome.text, WARN if conductor.outcome.interrupted else 20)
+        return FlightEnd(conductor.outcome, seen, self._speedup(), tuple(self._deaths))
+
+    def _mourn(self) -> None:
+        """Take in which processes have died."""
+        while not self._graph.deaths.empty():
+            death = self._graph.deaths.get()
+            self._deaths.append(death)
+            self._client.heard.forget(death.name)
+            if death.name == "mavlink_bridge":
+                self._client.drop_orders()
+                self._conductor.bridge_died()
+            if death.again_s is not None:
+                done = f"it is started again after {death.again_s:.1f} s."
+            elif death.name in ESSENTIAL:
+                done = "it was given up, and nothing flies without it."
+            else:
+                done = "it was given up, and the flight goes on without it."
+            text = f"{death.name} {death.how}: {done}"
+            self._publish(text, WARN if death.again_s is not None else ERROR, "restart")
+            if death.again_s is None and death.name in ESSENTIAL:
+                self._conductor.gave_up(text)
+
+    def _act(self) -> None:
+        conductor = self._conductor
+        for action in conductor.actions():
+            if isinstance(action, Order):
+                self._client.order(action.verb)
+            elif isinstance(action, Tell):
+                self._publish(action.text, action.level)
+            elif isinstance(action, Ask):
+                yes = self._operator.ask(self._idle)
+                if not self._interrupts.pending:
+                    conductor.confirmed(yes=yes)
+                    self._act()
+
+    def _idle(self) -> bool:
+        self._client.spin(_LOOK_S)
+        self._mourn()
+        return not self._interrupts.pending and self._conductor.outcome is None
+
+    def _publish(self, text: str, level: int, kind: str = "order") -> None:
+        """In flight the screen shows it as an event; before there is one it is a line."""
+        self._client.publish_event(level, kind, text)
+        if not self._in_flight:
+            self._operator.tell(text, level)
+
+    @property
+    def _in_flight(self) -> bool:
+        return self._conductor.stage in {Stage.START, Stage.FLY, Stage.HOME}
+
+    def _look(self, seen: Seen) -> None:
+        if not self._in_flight:
+            return
+        if self._conductor.stage in {Stage.FLY, Stage.HOME}:
+            self._flight = [*self._flight[:1], seen]
+        if seen.now_s - self._shown_s >= _SHOW_EVERY_S:
+            self._shown_s = seen.now_s
+            self._client.take_poses()
+            doing = "" if self._conductor.stage == Stage.FLY else self._conductor.stage.value
+            self._operator.show(self._keeper.state(self._client.now_ns, doing))
+
+    def _speedup(self) -> float | None:
+        """How much faster than this computer's the vehicles' time passed in flight."""
+        if len(self._flight) < 2:
+            return None
+        first, last = self._flight
+        return (last.fleet_s - first.fleet_s) / max(last.now_s - first.now_s, 1e-3)
