@@ -55,7 +55,9 @@ def decode_diagnostics(message: Any) -> Diagnostics:
     statuses, names = [], set()
     for index, status in enumerate(message.status):
         node_name, _, uav_id = status.name.partition(": ")
-        level = int.from_bytes(status.level, "little")
+        # rclpy has a byte as bytes, readers of bags have it as a number.
+        level = status.level
+        level = level if isinstance(level, int) else int.from_bytes(level, "little")
         if not node_name or level > STALE:
             raise MessageError(f"status[{index}].name", f"{status.name!r} at level {level}")
         names.add(node_name)

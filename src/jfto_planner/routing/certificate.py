@@ -52,8 +52,8 @@ def certify(plan: Plan, energy_floor: EnergyFloor | None = None) -> Certificate:
         floor = np.asarray(energy_floor(positions, plan.slots.duration_s), dtype=np.float64)
         floors = tuple(float(joules) for joules in floor)
         violations += _check_energy(plan, floor)
-    coarse = _instants(plan, np.moveaxis(plan.positions_m, 0, 1), 1)
-    fine = _instants(plan, flown.positions_m, FINER)
+    coarse = plan_instants(plan, np.moveaxis(plan.positions_m, 0, 1), 1)
+    fine = plan_instants(plan, flown.positions_m, FINER)
     violations += _check_instants(plan, coarse, fine)
     margin, margin_uav, margin_slot = fine.worst_margin()
     return Certificate(
@@ -118,7 +118,13 @@ def _check_energy(plan: Plan, floor: Array) -> list[Violation]:
     return found
 
 
-def _instants(plan: Plan, positions_m: Array, finer: int) -> Instants:
+def plan_instants(
+    plan: Plan, positions_m: Array, finer: int, present: NDArray[np.bool_] | None = None
+) -> Instants:
+    """Separation, neighbours and connectivity of positions (T, A, 3) by a plan's radio and rules.
+
+    Everybody sends at P_max. `present` (T, A) leaves UAVs out that are not there.
+    """
     channel = make_channel(plan.radio)
     power_w = dbm_to_w(np.array([uav.p_max_dbm for uav in plan.uavs]))
     sensitivity_w = float(dbm_to_w(plan.radio.sensitivity_dbm))
@@ -132,6 +138,7 @@ def _instants(plan: Plan, positions_m: Array, finer: int) -> Instants:
         k_min=plan.k_min,
         d_min_m=plan.d_min_m,
         finer=finer,
+        present=present,
     )
 
 

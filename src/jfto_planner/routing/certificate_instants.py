@@ -64,11 +64,24 @@ class Instants:
 
 
 def instants_of(
-    positions_m: Array, *, reach_m: Array, margin_db: Margin, k_min: int, d_min_m: float, finer: int
+    positions_m: Array,
+    *,
+    reach_m: Array,
+    margin_db: Margin,
+    k_min: int,
+    d_min_m: float,
+    finer: int,
+    present: NDArray[np.bool_] | None = None,
 ) -> Instants:
-    """Look at positions (T, A, 3); a pair is linked iff within its reach_m (A, A)."""
+    """Look at positions (T, A, 3); a pair is linked iff within its reach_m (A, A).
+
+    A UAV that is not `present` (T, A) has no links, is close to nobody, lacks nothing and is no
+    part of the fleet.
+    """
     uavs = positions_m.shape[1]
-    distance = pairwise_distances(positions_m)
+    there = np.ones(positions_m.shape[:2], dtype=np.bool_) if present is None else present
+    both = there[:, :, None] & there[:, None, :]
+    distance = np.where(both, pairwise_distances(positions_m), np.inf)
     linked = distance <= reach_m
     linked[:, np.arange(uavs), np.arange(uavs)] = False
     degree = degrees(linked)
@@ -77,15 +90,15 @@ def instants_of(
     if k_min > 0:
         surplus = np.full(distance.shape, -np.inf)
         surplus[:, a, b] = surplus[:, b, a] = margin_db(distance[:, a, b], a, b)
-        margin = -np.sort(-surplus, axis=2)[:, :, k_min - 1]
+        margin = np.where(there, -np.sort(-surplus, axis=2)[:, :, k_min - 1], np.inf)
     return Instants(
         finer=finer,
         pairs=(a, b),
         distance=distance[:, a, b],
         close=distance[:, a, b] < d_min_m,
         degree=degree,
-        short=degree < k_min,
-        components=_components(linked),
+        short=there & (degree < k_min),
+        components=_components(linked) - (~there).sum(axis=1),
         margin_db=margin,
     )
 
