@@ -6,6 +6,7 @@ import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from jfto.as_flown.facts import FlightFacts
 from jfto.comparison import Comparison
 from jfto.export import comparison_csv, comparison_object, coverage_object, slots_csv
 from jfto.progress import Watcher
@@ -18,6 +19,7 @@ from jfto.run_directory import (
     write_scenario,
 )
 from jfto.scenario_file import LoadedScenario, load_scenario
+from jfto.stages.as_flown import draw_flight, fly_again
 from jfto.stages.compare import compare
 from jfto.stages.drawing import draw_figures
 from jfto.stages.reporting import write_report
@@ -33,7 +35,8 @@ from jfto_world.terrain import Dem
 @dataclass(frozen=True)
 class Run:
     """What a run came to. `plan_path` names an infeasible plan where the certificate is not clean;
-    `report` and `comparison` are None where the run was interrupted after planning.
+    `report` and `comparison` are None where the run was interrupted after planning, `flight` where
+    no flight is on record.
     """
 
     plan: Plan
@@ -41,6 +44,7 @@ class Run:
     comparison: Comparison | None
     report: Path | None
     interrupted: bool
+    flight: FlightFacts | None = None
 
 
 def run_all(loaded: LoadedScenario, directory: Path, watcher: Watcher) -> Run:
@@ -48,8 +52,7 @@ def run_all(loaded: LoadedScenario, directory: Path, watcher: Watcher) -> Run:
     run, dem = _plan(loaded, directory, watcher)
     if run.interrupted:
         return run
-    comparison, report = _conclude(loaded, directory, run.plan, dem, watcher)
-    return replace(run, comparison=comparison, report=report)
+    return _conclude(run, loaded, directory, dem, watcher)
 
 
 def plan_only(loaded: LoadedScenario, directory: Path, watcher: Watcher) -> Run:
@@ -102,7 +105,7 @@ def _plan(loaded: LoadedScenario, directory: Path, watcher: Watcher) -> tuple[Ru
 
 
 def rebuild(directory: Path, watcher: Watcher) -> Run:
-    """Comparison, figures and report anew from the scenario and plan of a run directory."""
+    """Comparison, figures and report anew from scenario, plan and bag of a run directory."""
     if not directory.is_dir():
         raise InputError(f"{directory}: is no directory. Name the directory of a run.")
     if not (directory / SCENARIO_NAME).exists():
@@ -116,8 +119,8 @@ def rebuild(directory: Path, watcher: Watcher) -> Run:
         path = directory / INFEASIBLE_NAME
     plan = read_plan(path)
     dem = load_ground(loaded)
-    comparison, report = _conclude(loaded, directory, plan, dem, watcher)
-    return Run(plan, path, comparison, report, interrupted=False)
+    run = Run(plan, path, None, None, interrupted=False)
+    return _conclude(run, loaded, directory, dem, watcher)
 
 
 def save_plan(plan: Plan, path: Path) -> Path:
@@ -139,16 +142,18 @@ def write_comparison(plan: Plan, comparison: Comparison, scene: str, directory: 
     write_file(directory / "slots.csv", slots_csv(plan, comparison))
 
 
-def _conclude(
-    loaded: LoadedScenario, directory: Path, plan: Plan, dem: Dem, watcher: Watcher
-) -> tuple[Comparison, Path]:
-    evaluation = loaded.scenario.evaluation
+def _conclude(run: Run, loaded: LoadedScenario, directory: Path, dem: Dem, watcher: Watcher) -> Run:
+    """What comes after the plan, and after the flight where one is on record."""
+    evaluation, plan = loaded.scenario.evaluation, run.plan
     comparison = compare(plan, evaluation.n_dc, watcher)
     write_comparison(plan, comparison, evaluation.paper_scene, directory)
+    flight = fly_again(directory, loaded, plan, comparison, dem, watcher)
     draw_figures(plan, comparison, dem, evaluation.slot_shown, directory / FIGURES, watcher)
+    if flight is not None:
+        draw_flight(flight, dem, directory / FIGURES)
     title = f"{len(plan.uavs)} UAVs over {len(plan.waypoints)} waypoints"
     wind_mps = loaded.scenario.trajectory.wind_mps
     report = write_report(
-        directory, title, plan, comparison, dem, evaluation.paper_scene, wind_mps, watcher
+        directory, title, plan, comparison, dem, evaluation.paper_scene, wind_mps, watcher, flight
     )
-    return comparison, report
+    return replace(run, comparison=comparison, report=report, flight=flight)

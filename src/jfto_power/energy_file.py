@@ -13,19 +13,15 @@ from jfto_msgs_py.read_text import read_text
 from jfto_msgs_py.write_file import write_file
 
 ENERGY_FORMAT = "jfto-energy"
-ENERGY_VERSION = 2
+ENERGY_VERSION = 1
 _SIZE_LIMIT = 1_000_000
 
 
 @dataclass(frozen=True)
 class EnergyState:
-    """Energy left (J) and power in force (W) of each UAV at `at_ns`, out of `budget_j`.
-
-    `charged_from_ns` is since when powers were charged, None where the mission had not begun.
-    """
+    """Energy left (J) and power in force (W) of each UAV at `at_ns`, out of `budget_j`."""
 
     at_ns: int
-    charged_from_ns: int | None
     budget_j: dict[str, float]
     left_j: dict[str, float]
     power_w: dict[str, float]
@@ -67,5 +63,4 @@ def _state_of(document: Any) -> EnergyState:
         tables.append(table)
     if not tables[0].keys() == tables[1].keys() == tables[2].keys():
         raise ValueError("the tables name different UAVs")
-    begun_ns = document["charged_from_ns"]
-    return EnergyState(int(document["at_ns"]), None if begun_ns is None else int(begun_ns), *tables)
+    return EnergyState(int(document["at_ns"]), *tables)

@@ -18,6 +18,10 @@ ALGORITHM_STYLES: dict[str, dict[str, Any]] = {
     "CPAPO": {"color": "#009E73", "linestyle": (0, (6, 1.5, 1.5, 1.5)), "marker": "D"},
     "C-TOP": {"color": "#0072B2", "linestyle": "-", "marker": "o"},
 }
+PLANNED_STYLE: dict[str, Any] = {"color": "#777777", "linestyle": (0, (5, 1.5)), "linewidth": 1.2}
+FLOWN_STYLE: dict[str, Any] = {"color": "#0072B2", "linestyle": "-", "linewidth": 1.4}
+# What broke a rule, on maps and over time.
+TROUBLE_COLOUR = "#A50034"
 COLUMN_WIDTH_IN = 3.5
 PAGE_WIDTH_IN = 7.16
 _SETTINGS: Any = {

@@ -10,9 +10,11 @@ from html import escape
 from importlib import resources
 from typing import Any
 
+from jfto.as_flown.facts import FlightFacts
 from jfto.comparison import Comparison
 from jfto.flight_spread import Spread, spread_text
-from jfto.report.scene import scene_data
+from jfto.report.flight_sections import FLIGHT_CAPTIONS, flight_head, flight_section
+from jfto.report.scene import FLOWN, scene_data
 from jfto.report.tables import (
     certificate_table,
     comparison_table,
@@ -45,7 +47,7 @@ FLIGHTS = {
 class ReportContent:
     """What a report shows. `figures` maps file stems to PNG bytes, `coverage` is the coverage
     certificate's figures or None, `versions` maps names of software to versions, `spread` is that
-    of arrivals in a wind of `wind_mps`.
+    of arrivals in a wind of `wind_mps`; `flight` is None until the plan was flown.
     """
 
     title: str
@@ -59,21 +61,25 @@ class ReportContent:
     versions: Mapping[str, str]
     spread: tuple[Spread, ...] = ()
     wind_mps: float = 0.0
+    flight: FlightFacts | None = None
 
 
 def report_page(content: ReportContent) -> str:
     """The whole report as HTML text."""
     from plotly.offline import get_plotlyjs
 
-    scene = scene_data(content.plan, content.comparison, content.dem)
+    scene = scene_data(content.plan, content.comparison, content.dem, content.flight)
     # "</" inside a script would end it.
     data = json.dumps(scene, separators=(",", ":")).replace("</", "<\\/")
     sections = [
         _summary(content),
+        "" if content.flight is None else flight_head(content.flight),
         _scene_section(content),
+        _flight_section(content),
         "<h2>Comparison</h2>" + comparison_table(content.comparison, content.scene),
         _notes(content),
-        "<h2>Figures</h2>" + "".join(_figure(content, stem) for stem in FIGURE_CAPTIONS),
+        "<h2>Figures</h2>"
+        + "".join(_figure(content, stem, FIGURE_CAPTIONS) for stem in FIGURE_CAPTIONS),
         "<h2>Certificate</h2>" + certificate_table(content.plan) + _violations(content.plan),
         _timing_section(content),
         _coverage_section(content),
@@ -133,6 +139,9 @@ def _scene_section(content: ReportContent) -> str:
         f"<option{' selected' if result is content.comparison.ours else ''}>{result.name}</option>"
         for result in content.comparison.results
     )
+    if content.flight is not None:
+        options = options.replace(" selected", "")
+        options = f"<option selected>{FLOWN}</option>" + options
     first = min(content.comparison.n_dc, last)
     return (
         "<h2>Flight and links</h2>"
@@ -146,16 +155,23 @@ def _scene_section(content: ReportContent) -> str:
     )
 
 
+def _flight_section(content: ReportContent) -> str:
+    if content.flight is None:
+        return ""
+    stems = FLIGHT_CAPTIONS
+    return flight_section(content.flight, {stem: _figure(content, stem, stems) for stem in stems})
+
+
 def _notes(content: ReportContent) -> str:
     notes = "".join(f"<li>{escape(note)}</li>" for note in content.comparison.notes)
     return f"<h3>C-TOP could not keep</h3><ul>{notes}</ul>" if notes else ""
 
 
-def _figure(content: ReportContent, stem: str) -> str:
+def _figure(content: ReportContent, stem: str, captions: Mapping[str, str]) -> str:
     if stem not in content.figures:
         return ""
     data = base64.b64encode(content.figures[stem]).decode()
-    caption = FIGURE_CAPTIONS[stem]
+    caption = captions[stem]
     return (
         f'<figure><img alt="{escape(caption)}" src="data:image/png;base64,{data}">'
         f"<figcaption>{escape(caption)}</figcaption></figure>"

@@ -7,7 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jfto.comparison import AlgorithmResult, Comparison
+from jfto.as_flown.facts import FlightFacts
+from jfto.as_flown.grid import FINER
+from jfto.as_flown.record import Track
+from jfto.comparison import Comparison
 from jfto.figures.relief import drawn_extent, sampled_ground
 from jfto.flown import flown
 from jfto.palette import uav_colour
@@ -18,10 +21,18 @@ from jfto_world.terrain import Dem
 _GROUND_POINTS = 90
 # Of a flight's samples so few are drawn, one per second.
 _PATH_STEPS = 20
+_TRACK_STEP_S = 1.0
+# What the view calls the flight, beside the algorithms.
+FLOWN = "C-TOP as flown"
 
 
-def scene_data(plan: Plan, comparison: Comparison, dem: Dem) -> dict[str, Any]:
-    """Terrain, routes, positions and links of every slot; lengths in metres, margins in dB."""
+def scene_data(
+    plan: Plan, comparison: Comparison, dem: Dem, facts: FlightFacts | None = None
+) -> dict[str, Any]:
+    """Terrain, routes, positions and links of every slot; lengths in metres, margins in dB.
+
+    With `facts` also the tracks that were flown, under "flown".
+    """
     x, y, z = sampled_ground(dem, drawn_extent(dem, plan.positions_m), _GROUND_POINTS)
     sensitivity_w = float(dbm_to_w(plan.radio.sensitivity_dbm))
     by_id = {waypoint.id: waypoint.position_m for waypoint in plan.waypoints}
@@ -45,22 +56,49 @@ def scene_data(plan: Plan, comparison: Comparison, dem: Dem) -> dict[str, Any]:
         ],
         "positions": _short(np.moveaxis(plan.positions_m, 0, 1)),
         "links": {
-            result.name: _links(result, comparison.gain / sensitivity_w)
+            result.name: _links(
+                result.linked.links, result.power_w, comparison.gain / sensitivity_w
+            )
             for result in comparison.results
         },
         "throughput": {
             result.name: [round(value / 1e6) for value in result.linked.throughput_bps]
             for result in comparison.results
         },
+        "flown": None if facts is None else _flown(facts, sensitivity_w),
     }
 
 
-def _links(result: AlgorithmResult, gain: NDArray[np.float64]) -> list[list[list[float]]]:
-    """For each slot its links as [a, b, margin in dB]."""
-    weaker = np.minimum(result.power_w[:, :, None], result.power_w[:, None, :])
+def _flown(facts: FlightFacts, sensitivity_w: float) -> dict[str, Any]:
+    """Tracks, and for each slot flown places, links and throughput in the middle of it."""
+    network, grid = facts.network, facts.grid
+    places = np.where(grid.present[..., None], grid.position_m, np.nan)[grid.middles]
+    return {
+        "name": FLOWN,
+        "tracks": [_track(facts.flight.tracks[uav]) for uav in facts.flight.uav_ids],
+        "positions": _short(places),
+        "begin": _short(grid.times_s[::FINER]),
+        "links": _links(network.links, network.power_w, network.gain / sensitivity_w),
+        "throughput": [round(value / 1e6) for value in network.throughput_bps],
+    }
+
+
+def _track(track: Track) -> Any:
+    """About one place per second from lift-off to the end."""
+    if not track.times_s.size:
+        return []
+    times = np.arange(0.0, max(float(track.times_s[-1]), 0.0) + _TRACK_STEP_S, _TRACK_STEP_S)
+    return _short(track.at(times))
+
+
+def _links(
+    links: NDArray[np.bool_], power_w: NDArray[np.float64], gain: NDArray[np.float64]
+) -> list[list[list[float]]]:
+    """For each slot its links as [a, b, margin in dB]; `gain` is over the sensitivity."""
+    weaker = np.minimum(power_w[:, :, None], power_w[:, None, :])
     margin = ratio_to_db(weaker * gain)
     slots = []
-    for linked, level in zip(result.linked.links, margin, strict=True):
+    for linked, level in zip(links, margin, strict=True):
         first, second = np.nonzero(np.triu(linked))
         slots.append(
             [
@@ -72,5 +110,10 @@ def _links(result: AlgorithmResult, gain: NDArray[np.float64]) -> list[list[list
 
 
 def _short(values: NDArray[np.float64]) -> Any:
-    """Nested lists to a decimetre: a report is looked at, not computed with."""
-    return np.round(values, 1).tolist()
+    """Nested lists to a decimetre: a report is looked at, not computed with. Unknown is null."""
+    rounded = np.round(values, 1)
+    if np.isfinite(rounded).all():
+        return rounded.tolist()
+    known = rounded.astype(object)
+    known[~np.isfinite(rounded)] = None
+    return known.tolist()

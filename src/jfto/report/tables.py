@@ -17,14 +17,21 @@ from jfto_msgs_py.plan import Plan
 
 
 def html_table(
-    header: Sequence[str], rows: Sequence[Sequence[str]], ours: int | None = None
+    header: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    ours: int | None = None,
+    text_from: int | None = None,
 ) -> str:
-    """HTML table of ready cells; row `ours` is set apart."""
-    head = "".join(f"<th>{cell}</th>" for cell in header)
+    """HTML table of ready cells; row `ours` is set apart, columns from `text_from` on are prose."""
+
+    def cells(kind: str, row: Sequence[str]) -> str:
+        prose = len(row) if text_from is None else text_from
+        marks = [' class="text"' if column >= prose else "" for column in range(len(row))]
+        return "".join(f"<{kind}{m}>{cell}</{kind}>" for m, cell in zip(marks, row, strict=True))
+
+    head = cells("th", header)
     body = "".join(
-        ('<tr class="ours">' if index == ours else "<tr>")
-        + "".join(f"<td>{cell}</td>" for cell in row)
-        + "</tr>"
+        ('<tr class="ours">' if index == ours else "<tr>") + cells("td", row) + "</tr>"
         for index, row in enumerate(rows)
     )
     return (
@@ -85,7 +92,7 @@ def fleet_table(plan: Plan, comparison: Comparison) -> str:
         degree = comparison.ours.degree[:, index]
         rows.append(
             [
-                _swatch(index) + escape(uav.id),
+                swatch(index) + escape(uav.id),
                 str(len(route.waypoint_ids)),
                 f"{route.length_m / 1000:.2f}",
                 f"{route.arrival_s[-1] if route.arrival_s else 0:.0f}",
@@ -155,7 +162,8 @@ def spread_table(spread: Sequence[Spread], wind_mps: float) -> str:
     return html_table(header, rows)
 
 
-def _swatch(index: int) -> str:
+def swatch(index: int) -> str:
+    """A patch of the UAV's colour."""
     return f'<span class="swatch" style="background:{uav_colour(index)}"></span>'
 
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from jfto.as_flown.facts import FlightFacts
 from jfto.comparison import Comparison
 from jfto.flight_spread import flight_spread
 from jfto.progress import Watcher
@@ -31,6 +32,7 @@ def write_report(
     scene: str,
     wind_mps: float,
     watcher: Watcher,
+    flight: FlightFacts | None = None,
 ) -> Path:
     """Write report.html from a run's results and the figures that lie in its directory."""
     watcher.begin("report", "writing")
@@ -48,6 +50,7 @@ def write_report(
         versions=versions(),
         spread=flight_spread(plan, wind_mps),
         wind_mps=wind_mps,
+        flight=flight,
     )
     path = directory / REPORT_NAME
     write_file(path, report_page(content))

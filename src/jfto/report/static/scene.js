@@ -32,6 +32,16 @@
     legendgroup: uav.id, showlegend: false, hovertemplate: uav.id + "<br>%{text}<extra></extra>",
     text: uav.route.map((p, i) => (i ? "waypoint " + uav.waypoints[i - 1] + ", " + uav.arrival[i - 1].toFixed(0) + " s" : "pad")),
   }));
+  const FLOWN = SCENE.flown;
+  if (FLOWN) {
+    FLOWN.tracks.forEach((track, a) => traces.push({
+      type: "scatter3d", mode: "lines", name: SCENE.uavs[a].id + " as flown", legendgroup: SCENE.uavs[a].id,
+      x: track.map((p) => p[0]), y: track.map((p) => p[1]), z: track.map((p) => p[2]),
+      line: { color: SCENE.uavs[a].color, width: 5 }, showlegend: false, hoverinfo: "skip",
+    }));
+    traces.forEach((trace) => { if ((trace.name || "").endsWith(" flight")) { trace.opacity = 0.35; } });
+    slider.max = Math.max(SCENE.positions.length, FLOWN.positions.length) - 1;
+  }
   const firstLink = traces.length;
   BANDS.forEach((band) => traces.push({
     type: "scatter3d", mode: "lines", name: band.name, x: [null], y: [null], z: [null],
@@ -46,11 +56,24 @@
     hovertemplate: uav.id + "<br>%{x:.0f} m E, %{y:.0f} m N, %{z:.0f} m up<extra></extra>",
   }));
 
-  function links(slot) {
+  // What is shown of a slot: of the flight where it is picked, else of the plan.
+  function view(slot) {
+    const flown = FLOWN && picker.value === FLOWN.name;
+    const source = flown ? FLOWN : {
+      positions: SCENE.positions, links: SCENE.links[picker.value], throughput: SCENE.throughput[picker.value],
+    };
+    const n = Math.min(slot, source.positions.length - 1);
+    return {
+      n, last: source.positions.length - 1, positions: source.positions[n], links: source.links[n],
+      throughput: source.throughput[n], time: flown ? FLOWN.begin[n] : n * SCENE.duration,
+    };
+  }
+
+  function links(here) {
     const ends = BANDS.map(() => ({ x: [], y: [], z: [] }));
-    SCENE.links[picker.value][slot].forEach(([a, b, margin]) => {
+    here.links.forEach(([a, b, margin]) => {
       const band = ends[BANDS.findIndex((one) => margin < one.below)];
-      [SCENE.positions[slot][a], SCENE.positions[slot][b], [null, null, null]].forEach((p) => {
+      [here.positions[a], here.positions[b], [null, null, null]].forEach((p) => {
         band.x.push(p[0]); band.y.push(p[1]); band.z.push(p[2]);
       });
     });
@@ -59,20 +82,21 @@
 
   function show() {
     const slot = Number(slider.value);
-    const ends = links(slot);
-    const at = SCENE.positions[slot];
+    const shown = view(slot);
+    const ends = links(shown);
+    const at = shown.positions;
     const x = [], y = [], z = [], which = [];
     ends.forEach((band, i) => { x.push(band.x); y.push(band.y); z.push(band.z); which.push(firstLink + i); });
     at.forEach((p, a) => { x.push([p[0]]); y.push([p[1]]); z.push([p[2]]); which.push(firstUav + a); });
     Plotly.restyle(scene, { x, y, z }, which);
-    const here = SCENE.links[picker.value][slot];
-    let text = "Slot " + slot + " of " + (SCENE.positions.length - 1) + " · " + (slot * SCENE.duration).toFixed(0) +
+    const here = shown.links;
+    let text = "Slot " + shown.n + " of " + shown.last + " · " + shown.time.toFixed(0) +
       " s after lift-off · " + here.length + " links";
     if (here.length) {
       const weakest = here.reduce((worst, link) => (link[2] < worst[2] ? link : worst));
       text += " · weakest " + SCENE.uavs[weakest[0]].id + "–" + SCENE.uavs[weakest[1]].id + ", " + weakest[2].toFixed(1) + " dB to spare";
     }
-    text += " · " + Math.round(SCENE.throughput[picker.value][slot]).toLocaleString("en-US").replace(/,/g, " ") + " Mb/s";
+    text += " · " + Math.round(shown.throughput).toLocaleString("en-US").replace(/,/g, " ") + " Mb/s";
     facts.textContent = text;
   }
 
