@@ -13,15 +13,19 @@ from jfto_msgs_py.read_text import read_text
 from jfto_msgs_py.write_file import write_file
 
 ENERGY_FORMAT = "jfto-energy"
-ENERGY_VERSION = 1
+ENERGY_VERSION = 2
 _SIZE_LIMIT = 1_000_000
 
 
 @dataclass(frozen=True)
 class EnergyState:
-    """Energy left (J) and power in force (W) of each UAV at `at_ns`, out of `budget_j`."""
+    """Energy left (J) and power in force (W) of each UAV at `at_ns`, out of `budget_j`.
+
+    `charged_from_ns` is since when powers were charged, None where the mission had not begun.
+    """
 
     at_ns: int
+    charged_from_ns: int | None
     budget_j: dict[str, float]
     left_j: dict[str, float]
     power_w: dict[str, float]
@@ -63,4 +67,5 @@ def _state_of(document: Any) -> EnergyState:
         tables.append(table)
     if not tables[0].keys() == tables[1].keys() == tables[2].keys():
         raise ValueError("the tables name different UAVs")
-    return EnergyState(int(document["at_ns"]), *tables)
+    begun_ns = document["charged_from_ns"]
+    return EnergyState(int(document["at_ns"]), None if begun_ns is None else int(begun_ns), *tables)

@@ -10,10 +10,12 @@ from geometry_msgs.msg import PoseStamped
 from std_msgs.msg import Float64, Float64MultiArray, UInt8MultiArray
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 
+from jfto_msgs_py.clock_watch import ClockWatch
 from jfto_msgs_py.errors import InputError, JftoError, MessageError
-from jfto_msgs_py.network import Adjacency, PowerIntervals, PowerSchedule
+from jfto_msgs_py.network import Adjacency, PowerIntervals, PowerSchedule, SlotHorizon
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.diagnostics import ERROR, OK, WARN, Status
+from jfto_msgs_py.ros.energy import encode_energy_left
 from jfto_msgs_py.ros.graph_node import GraphNode
 from jfto_msgs_py.ros.network import (
     decode_adjacency,
@@ -25,6 +27,7 @@ from jfto_msgs_py.scenario import Scenario
 from jfto_msgs_py.units import w_to_dbm
 from jfto_power.energy_account import EnergyAccount
 from jfto_power.horizon import HorizonPower, plan_horizon
+from jfto_power.power_news import News, PowerNews
 from jfto_power.power_options import PowerOptions
 from jfto_world.motion.fleet_plan import FleetPlan
 from jfto_world.motion.fleet_prediction import FleetPrediction
@@ -32,6 +35,7 @@ from jfto_world.radio import make_channel
 
 # Slots without news of the topology before it counts as silent.
 _SILENT_SLOTS = 2.0
+_LISTEN_EVERY_S = 1.0
 
 
 class PowerNode(GraphNode[PowerOptions]):
@@ -41,6 +45,7 @@ class PowerNode(GraphNode[PowerOptions]):
         self._found: HorizonPower | None = None
         self._heard_ns = 0
         self._trouble: dict[str, str] = {}
+        self._clock_watch = ClockWatch()
         super().__init__("power_node", PowerOptions, **arguments)
 
     def check(self, scenario: Scenario, options: PowerOptions) -> None:
@@ -61,6 +66,7 @@ class PowerNode(GraphNode[PowerOptions]):
         self._account = EnergyAccount(
             budget_j, Path(options.state_file) if options.state_file else None, self.now_ns()
         )
+        self._news = PowerNews()
         self._plan = FleetPlan(ids)
         self._prediction = FleetPrediction()
         self._adjacency: Adjacency | None = None
@@ -88,6 +94,10 @@ class PowerNode(GraphNode[PowerOptions]):
             uav: self.create_lifecycle_publisher(Float64, topics.tx_power(uav), qos.latched())
             for uav in self._served
         }
+        self._energy_left = self.create_lifecycle_publisher(
+            Float64MultiArray, topics.ENERGY_LEFT, qos.latched()
+        )
+        self.create_timer(_LISTEN_EVERY_S, self._listen)
         self._boundary = self.create_timer(3600.0, self._apply)
         self._boundary.cancel()
 
@@ -101,11 +111,19 @@ class PowerNode(GraphNode[PowerOptions]):
 
     def _on_trajectory(self, uav: str, message: Any) -> None:
         trajectory = self.intake.take(topics.trajectory(uav), decode_trajectory, message)
-        if trajectory is not None and self._plan.take(uav, trajectory):
-            self._prediction.set_trajectory(uav, trajectory)
-            self._solve()
+        if trajectory is None or not self._plan.take(uav, trajectory):
+            return
+        self._prediction.set_trajectory(uav, trajectory)
+        if self._plan.complete:
+            now_ns = self.now_ns()
+            if now_ns:
+                self._account.advance(now_ns)
+            self._account.set_zero(self._prediction.start_ns)
+        self._solve()
 
     def _on_pose(self, uav: str, message: Any) -> None:
+        if self._clock_watch.set_back_by_ns(self.now_ns()):
+            self._prediction.forget_poses()
         pose = self.take_pose(uav, message)
         if pose is not None:
             self._prediction.set_pose(uav, pose)
@@ -142,6 +160,7 @@ class PowerNode(GraphNode[PowerOptions]):
         now_ns = self.now_ns()
         self._account.advance(now_ns)
         self._adjacency = self._intervals = None
+        adjacency, intervals = _from_now_on(adjacency, intervals, now_ns)
         try:
             self._found = plan_horizon(
                 adjacency,
@@ -154,16 +173,22 @@ class PowerNode(GraphNode[PowerOptions]):
             )
         except JftoError as error:
             # What others ask for cannot be solved: the last schedule stays in force.
-            self._complain("allocation", str(error))
+            self._trouble["allocation"] = str(error)
+            self._tell(self._news.of_trouble(str(error)))
             return
         self._trouble.pop("allocation", None)
         self._heard_ns = now_ns
         mine = self._rows(self._found.schedule)
         if mine is not None:
             self._schedule.publish(encode_power_schedule(mine))
-        if self._found.shortage is not None:
-            self.get_logger().warning(str(self._found.shortage), throttle_duration_sec=5.0)
         self._apply()
+        self._tell([*self._news.of_trouble(""), *self._news.of_schedule(self._found)])
+
+    def _tell(self, news: list[News]) -> None:
+        for level, kind, uav, text in news:
+            # Of several power nodes each speaks for its own UAVs.
+            if not uav or uav in self._served:
+                self.announce(level, kind, uav, text)
 
     def _rows(self, schedule: PowerSchedule) -> PowerSchedule | None:
         """The rows of the UAVs that this node serves."""
@@ -181,24 +206,57 @@ class PowerNode(GraphNode[PowerOptions]):
         return min(max(row, 0), horizon.count - 1)
 
     def _apply(self) -> None:
-        """Put the powers of the current slot in force, and wait for the next one."""
+        """Put the powers of the current slot in force, and wait for the next one.
+
+        A UAV whose energy is used up is put to silence, in the middle of a slot if need be.
+        """
         if self._found is None or not self.is_active:
             return
         now_ns = self.now_ns()
+        self._account.advance(now_ns)
         schedule = self._found.schedule
         row = self._row_at(now_ns)
-        powers = dict(zip(schedule.uav_ids, schedule.power_w[row].tolist(), strict=True))
+        powers = dict(self._account.power_w)
+        powers |= dict(zip(schedule.uav_ids, schedule.power_w[row].tolist(), strict=True))
+        used_up = [uav for uav in powers if self._account.used_up(uav)]
+        powers |= dict.fromkeys(used_up, 0.0)
         changed = self._account.set_powers(now_ns, powers)
         for uav, publisher in self._setpoints.items():
             if uav in changed:
                 publisher.publish(Float64(data=float(w_to_dbm(powers[uav]))))
+        left_j = {uav: self._account.left_j[uav] for uav in self._served}
+        self._energy_left.publish(encode_energy_left(now_ns, left_j))
+        self._tell(self._news.of_energy(used_up))
         self._save(now_ns)
-        if row + 1 >= schedule.horizon.count:
+        self._wait(schedule.horizon, row, now_ns)
+
+    def _wait(self, horizon: SlotHorizon, row: int, now_ns: int) -> None:
+        """Until the next row's slot begins, or a UAV's energy is used up."""
+        wake_ns = [] if row + 1 >= horizon.count else [int(horizon.instants_ns[row + 1])]
+        empty_ns = self._account.empty_ns()
+        wake_ns += [] if empty_ns is None else [empty_ns]
+        if not wake_ns:
             self._boundary.cancel()
             return
-        next_ns = int(schedule.horizon.instants_ns[row + 1])
-        self._boundary.timer_period_ns = max(next_ns - now_ns, 1)
+        self._boundary.timer_period_ns = max(min(wake_ns) - now_ns, 1)
         self._boundary.reset()
+
+    def _listen(self) -> None:
+        """Notice that the topology has fallen silent."""
+        if self._found is None or not self.is_active:
+            return
+        silent_s, run_out = self._silence(self.now_ns())
+        self._tell(self._news.of_silence(silent_s, run_out=run_out))
+
+    def _silence(self, now_ns: int) -> tuple[float, bool]:
+        """For how long the topology has been silent, 0 where that is well, and past its horizon."""
+        assert self._found is not None
+        horizon = self._found.schedule.horizon
+        silent_s = (now_ns - max(self._heard_ns, horizon.t0_ns)) / 1e9
+        over = horizon.first + self._row_at(now_ns) >= self._slot_count
+        if over or silent_s <= _SILENT_SLOTS * horizon.duration_s:
+            return 0.0, False
+        return silent_s, now_ns > horizon.t0_ns + round(horizon.count * horizon.duration_s * 1e9)
 
     def _save(self, now_ns: int) -> None:
         try:
@@ -228,14 +286,12 @@ class PowerNode(GraphNode[PowerOptions]):
         facts["last_slot"] = str(slot)
         if self._found.shortage is not None:
             return Status("", ERROR, str(self._found.shortage), facts)
-        silent_s = (now_ns - self._heard_ns) / 1e9
-        over = slot >= self._slot_count
-        if not over and silent_s > _SILENT_SLOTS * horizon.duration_s:
-            end_ns = horizon.t0_ns + round(horizon.count * horizon.duration_s * 1e9)
+        silent_s, run_out = self._silence(now_ns)
+        if silent_s:
             text = f"topology silent for {silent_s:.1f} s, going on through its last schedule"
-            if now_ns > end_ns:
+            if run_out:
                 text = f"topology silent for {silent_s:.1f} s, its last schedule has run out"
-            return Status("", ERROR if now_ns > end_ns else WARN, text, facts)
+            return Status("", ERROR if run_out else WARN, text, facts)
         level = WARN if self._trouble else OK
         return Status("", level, " ".join([f"slot {slot}", *self._trouble.values()]), facts)
 
@@ -250,3 +306,24 @@ class PowerNode(GraphNode[PowerOptions]):
         if self._found is not None and uav not in self._found.schedule.uav_ids:
             return Status(uav, WARN, "not part of the schedule, keeps its power", facts)
         return Status(uav, OK, f"{100 * left_j / budget_j:.0f} % of the energy left", facts)
+
+
+def _from_now_on(
+    adjacency: Adjacency, intervals: PowerIntervals, now_ns: int
+) -> tuple[Adjacency, PowerIntervals]:
+    """The slots that are not over yet: a late joiner hears of a horizon that began long ago."""
+    horizon = adjacency.horizon
+    gone = int((now_ns - horizon.t0_ns) // round(horizon.duration_s * 1e9))
+    gone = min(max(gone, 0), horizon.count - 1)
+    if not gone:
+        return adjacency, intervals
+    left = SlotHorizon(
+        horizon.first + gone,
+        int(horizon.instants_ns[gone]),
+        horizon.duration_s,
+        horizon.count - gone,
+    )
+    return (
+        Adjacency(left, adjacency.uav_ids, adjacency.links[gone:]),
+        PowerIntervals(left, intervals.uav_ids, intervals.bounds_w[gone:]),
+    )

@@ -9,8 +9,12 @@ import numpy as np
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.network import Adjacency, PowerIntervals, SlotHorizon
 from jfto_topology.ctop import Topology, ctop
+from jfto_topology.slot_clock import SlotClock
 from jfto_world.motion.fleet_prediction import FleetPrediction
 from jfto_world.radio import Channel
+
+# A topology takes two.
+_LEAST_UAVS = 2
 
 
 @dataclass(frozen=True)
@@ -58,6 +62,8 @@ class HorizonTopology:
 
     `excluded` names the UAVs left out as stale, `late` those predicted from a pose older than the
     slot. `k_min` is what was asked of so many UAVs, lower than the mission's if too few are left.
+    `blind` says that hardly anybody is heard, so that all are predicted from their last poses.
+    `lag_s` is the fleet's lag, None where nobody is under way, `shift_s` that of the slots.
     """
 
     adjacency: Adjacency
@@ -66,6 +72,9 @@ class HorizonTopology:
     excluded: tuple[str, ...]
     late: tuple[str, ...]
     k_min: int
+    blind: bool
+    lag_s: float | None
+    shift_s: float
 
 
 class TopologyHorizon:
@@ -77,41 +86,68 @@ class TopologyHorizon:
         self.prediction = prediction
         self.links = links
         self.settings = settings
-        self._solved = -1
+        self._clock = SlotClock(prediction.start_ns, settings.slot_count, settings.slot_duration_s)
+        self._given_up: set[str] = set()
+        self._few_since_ns: int | None = None
 
-    def slot_at(self, now_ns: int) -> int:
-        """Slot that a time falls into: 0 before the start, N at the end and after."""
-        elapsed_s = (now_ns - self.prediction.start_ns) / 1e9
-        slot = int(np.floor(elapsed_s / self.settings.slot_duration_s))
-        return min(max(slot, 0), self.settings.slot_count)
+    @property
+    def slot(self) -> int:
+        """The slot solved last, -1 before the first."""
+        return self._clock.slot
 
-    def instant_ns(self, slot: int) -> int:
-        """When a slot begins."""
-        return self.prediction.start_ns + round(slot * self.settings.slot_duration_s * 1e9)
+    def next_ns(self, now_ns: int) -> int:
+        """When the next slot to be solved begins, as things stand."""
+        return self._clock.next_ns(now_ns, self._lag_s(now_ns))
+
+    def deadline_ns(self, now_ns: int) -> int:
+        """When that slot is solved whether or not its poses have come."""
+        return self.next_ns(now_ns) + round(self.settings.pose_wait_s * 1e9)
 
     def due(self, now_ns: int) -> bool:
-        """Whether the current slot is unsolved and its poses have come or were waited for."""
-        if not self.prediction.uav_ids:
-            return False
-        slot = self.slot_at(now_ns)
-        if slot <= self._solved:
-            return False
-        return not self._late(slot, now_ns) or now_ns >= self.deadline_ns(slot)
+        """Whether a slot is unsolved and its poses have come or were waited for.
 
-    def deadline_ns(self, slot: int) -> int:
-        """When a slot is solved whether or not its poses have come."""
-        return self.instant_ns(slot) + round(self.settings.pose_wait_s * 1e9)
+        UAVs that were left out of the last slot are not waited for. Where hardly anybody is fresh
+        all of a sudden, the clock may have got ahead of the poses: once they are given half a slot.
+        """
+        if not self.prediction.uav_ids or self._clock.is_young(now_ns):
+            return False
+        begin_ns = self.next_ns(now_ns)
+        if self.slot >= 0 and now_ns < begin_ns:
+            return False
+        wait_ns = round(self.settings.pose_wait_s * 1e9)
+        late = set(self._late(begin_ns, now_ns)) - self._given_up
+        if not late and len(self.prediction.uav_ids) - len(self._given_up) >= _LEAST_UAVS:
+            return True
+        if len(self._fresh(now_ns)) >= _LEAST_UAVS:
+            self._few_since_ns = None
+            return now_ns >= begin_ns + wait_ns
+        if now_ns < begin_ns + wait_ns:
+            return False
+        if self._few_since_ns is None or self._few_since_ns > now_ns:
+            self._few_since_ns = now_ns
+        return now_ns >= self._few_since_ns + round(self.settings.slot_duration_s * 0.5e9)
 
     def solve(self, now_ns: int) -> HorizonTopology | None:
-        """Topology from the current slot on; None while fewer than two UAVs are fresh."""
-        slot = self.slot_at(now_ns)
-        self._solved = slot
-        uav_ids = self.prediction.fresh(now_ns, self.settings.stale_after_s)
-        if len(uav_ids) < 2:
+        """Topology from the slot that is due on; None while fewer than two UAVs were ever heard.
+
+        Where fewer than two are fresh, it is the messages that fail, not the fleet: all that were
+        heard before are predicted from what was known last.
+        """
+        uav_ids = self._fresh(now_ns)
+        blind = len(uav_ids) < _LEAST_UAVS
+        if blind:
+            uav_ids = self._heard(now_ns)
+        if len(uav_ids) < _LEAST_UAVS:
             return None
+        lag_s = self._lag_s(now_ns)
+        late = self._late(self.next_ns(now_ns), now_ns)
+        self._clock.advance(now_ns, lag_s)
+        excluded = tuple(uav for uav in self.prediction.uav_ids if uav not in uav_ids)
+        self._given_up = set(excluded)
+        slot, t0_ns = self._clock.slot, self._clock.begin_ns
         left = self.settings.slot_count + 1 - slot
         count = min(self.settings.horizon_slots or left, left)
-        horizon = SlotHorizon(slot, self.instant_ns(slot), self.settings.slot_duration_s, count)
+        horizon = SlotHorizon(slot, t0_ns, self.settings.slot_duration_s, count)
         k_min = min(self.links.k_min, len(uav_ids) - 1)
         topology = ctop(
             self.prediction.positions(uav_ids, horizon.instants_ns),
@@ -126,14 +162,29 @@ class TopologyHorizon:
             Adjacency(horizon, uav_ids, topology.adjacency),
             PowerIntervals(horizon, uav_ids, bounds_w),
             topology,
-            tuple(uav for uav in self.prediction.uav_ids if uav not in uav_ids),
-            tuple(uav for uav in self._late(slot, now_ns) if uav in uav_ids),
+            excluded,
+            tuple(uav for uav in late if uav in uav_ids),
             k_min,
+            blind,
+            lag_s,
+            self._clock.shift_s,
         )
 
-    def _late(self, slot: int, now_ns: int) -> tuple[str, ...]:
+    def _fresh(self, now_ns: int) -> tuple[str, ...]:
+        return self.prediction.fresh(now_ns, self.settings.stale_after_s)
+
+    def _heard(self, now_ns: int) -> tuple[str, ...]:
+        """UAVs heard at any time, while the mission lasts."""
+        if now_ns < self.prediction.start_ns or self.slot >= self.settings.slot_count:
+            return ()
+        known = self.prediction.pose_stamp_ns
+        return tuple(uav for uav in self.prediction.uav_ids if known(uav) is not None)
+
+    def _lag_s(self, now_ns: int) -> float | None:
+        return self.prediction.fleet_lag_s(self._fresh(now_ns))
+
+    def _late(self, begin_ns: int, now_ns: int) -> tuple[str, ...]:
         """UAVs not measured since the slot began; before lift-off, UAVs whose pose is stale."""
-        begin_ns = self.instant_ns(slot)
         if now_ns < begin_ns:
             begin_ns = now_ns - round(self.settings.stale_after_s * 1e9)
         return tuple(

@@ -11,23 +11,29 @@ from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 from visualization_msgs.msg import MarkerArray
 
+from jfto_msgs_py.clock_watch import ClockWatch
 from jfto_msgs_py.errors import InputError, MessageError
 from jfto_msgs_py.ros import qos, topics
-from jfto_msgs_py.ros.diagnostics import ERROR, OK, STALE, WARN, Status
+from jfto_msgs_py.ros.diagnostics import Status
+from jfto_msgs_py.ros.energy import decode_energy_left
+from jfto_msgs_py.ros.events import WARN
 from jfto_msgs_py.ros.graph_node import GraphNode
 from jfto_msgs_py.ros.network import encode_adjacency, encode_power_intervals
 from jfto_msgs_py.ros.vehicle import decode_trajectory
 from jfto_msgs_py.scenario import Scenario
 from jfto_msgs_py.units import dbm_to_w, ratio_to_db
+from jfto_topology.fleet_news import FleetNews
+from jfto_topology.flight_watch import FlightWatch
 from jfto_topology.horizon import HorizonSettings, HorizonTopology, Links, TopologyHorizon
 from jfto_topology.markers import Scene, encode_markers
 from jfto_topology.topology_options import TopologyOptions
+from jfto_topology.topology_status import Heard, about_node, about_uav
 from jfto_world.motion.fleet_plan import FleetPlan
 from jfto_world.motion.fleet_prediction import FleetPrediction
 from jfto_world.radio import make_channel, pairwise_distances
 
-# A topology takes two.
-_LEAST_UAVS = 2
+# How soon to look again for a fleet that nobody hears of, at least.
+_RETRY_S = 0.1
 
 
 class TopologyNode(GraphNode[TopologyOptions]):
@@ -37,6 +43,7 @@ class TopologyNode(GraphNode[TopologyOptions]):
         self._horizon: TopologyHorizon | None = None
         self._last: HorizonTopology | None = None
         self._since_ns = 0
+        self._clock_watch = ClockWatch()
         super().__init__("topology_node", TopologyOptions, **arguments)
 
     def build(self, scenario: Scenario, options: TopologyOptions) -> None:
@@ -52,6 +59,14 @@ class TopologyNode(GraphNode[TopologyOptions]):
             float(dbm_to_w(radio.sensitivity_dbm)),
             network.k_min,
             network.delta,
+        )
+        self._news = FleetNews(self._prediction)
+        self._watch = FlightWatch(
+            self._prediction, self._links, scenario.mission.d_min_m, options.watch_slots
+        )
+        self._left_j: dict[str, float] = {}
+        self.create_subscription(
+            Float64MultiArray, topics.ENERGY_LEFT, self._on_energy, qos.latched()
         )
         for uav in scenario.fleet.ids:
             self.create_subscription(
@@ -113,12 +128,30 @@ class TopologyNode(GraphNode[TopologyOptions]):
         return TopologyHorizon(self._prediction, self._links, settings)
 
     def _on_pose(self, uav: str, message: Any) -> None:
+        self._follow_clock()
         pose = self.take_pose(uav, message)
-        if pose is not None and self._prediction.set_pose(uav, pose):
+        if pose is None or not self._prediction.set_pose(uav, pose):
+            return
+        if self._horizon is not None and self._horizon.due(self.now_ns()):
             self._step()
 
+    def _on_energy(self, message: Any) -> None:
+        left_j = self.intake.take(topics.ENERGY_LEFT, decode_energy_left, message)
+        if left_j is not None:
+            self._left_j.update(left_j)
+
+    def _follow_clock(self) -> None:
+        """Forget poses that a clock has stamped which was since set back."""
+        back_ns = self._clock_watch.set_back_by_ns(self.now_ns())
+        if back_ns:
+            self._prediction.forget_poses()
+            self._since_ns = 0
+            text = f"The clock was set back by {back_ns / 1e9:.1f} s: earlier poses do not count."
+            self.announce(WARN, "topology", "", text)
+
     def _step(self) -> None:
-        """Solve and publish if the current slot is due; set the timer for when it must be."""
+        """Solve and publish if a slot is due; set the timer for when the next must be."""
+        self._follow_clock()
         horizon = self._horizon
         if horizon is None or not self.is_active:
             return
@@ -129,24 +162,29 @@ class TopologyNode(GraphNode[TopologyOptions]):
             if found is not None:
                 self._last = found
                 self._publish(found, now_ns)
-        slot = horizon.slot_at(now_ns)
+                self._tell(found, now_ns)
         # At the end of the first wait nothing may have come that could be waited for.
         first_ns = self._since_ns + round(horizon.settings.pose_wait_s * 1e9)
-        until_ns = max(horizon.deadline_ns(slot), first_ns) - now_ns
-        if until_ns <= 0 and slot < horizon.settings.slot_count:
-            until_ns = horizon.deadline_ns(slot + 1) - now_ns
+        until_ns = max(horizon.deadline_ns(now_ns), first_ns) - now_ns
         if until_ns <= 0:
-            self._deadline.cancel()
-            return
+            # Overdue, with hardly anybody to reckon with.
+            until_ns = round(max(horizon.settings.pose_wait_s, _RETRY_S) * 1e9)
         self._deadline.timer_period_ns = until_ns
         self._deadline.reset()
+
+    def _tell(self, found: HorizonTopology, now_ns: int) -> None:
+        slot_count = self._mission.slot_count
+        for news in self._news.of_slot(found, now_ns):
+            self.announce(*news)
+        for news in self._watch.look(found, slot_count, now_ns, self._left_j):
+            self.announce(*news)
 
     def _may_solve(self, horizon: TopologyHorizon, now_ns: int) -> bool:
         """Whether UAVs without a fresh pose have had the time to send one since we listen."""
         fresh = self._prediction.fresh(now_ns, horizon.settings.stale_after_s)
         waited_ns = now_ns - self._since_ns
-        return len(fresh) == len(self._plan.uav_ids) or (
-            len(fresh) >= _LEAST_UAVS and waited_ns >= horizon.settings.pose_wait_s * 1e9
+        return (
+            len(fresh) == len(self._plan.uav_ids) or waited_ns >= horizon.settings.pose_wait_s * 1e9
         )
 
     def _publish(self, found: HorizonTopology, now_ns: int) -> None:
@@ -176,43 +214,16 @@ class TopologyNode(GraphNode[TopologyOptions]):
         return np.asarray(ratio_to_db(weaker_w * gain / self._links.sensitivity_w))
 
     def statuses(self, now_ns: int) -> list[Status]:
-        """Who is linked how well, whose pose is stale, what was malformed."""
-        last, horizon = self._last, self._horizon
-        facts = self.intake.facts("/jfto/")
-        if horizon is None:
-            missing = self._plan.missing
-            node = Status("", WARN, f"waiting for trajectories of {', '.join(missing)}", facts)
-        elif last is None:
-            node = Status("", WARN, "fewer than two UAVs have a fresh pose", facts)
-        else:
-            first = last.adjacency.horizon.first
-            facts["last_slot"] = str(first)
-            weak = bool(last.topology.deficit[0].any() or not last.topology.connected[0])
-            text = f"slot {first}, not as connected as wanted" if weak else f"slot {first}"
-            node = Status("", ERROR if weak else OK, text, facts)
-        margins = None if last is None else self._margins_db(last)
-        return [node, *(self._about(uav, now_ns, margins) for uav in self._plan.uav_ids)]
-
-    def _about(self, uav: str, now_ns: int, margins_db: np.ndarray | None) -> Status:
-        facts = self.intake.facts(f"/{uav}/")
-        stamp_ns = self._prediction.pose_stamp_ns(uav)
-        if stamp_ns is None:
-            return Status(uav, STALE, "no pose yet", facts)
-        age_s = (now_ns - stamp_ns) / 1e9
-        facts |= {"pose_age_s": f"{age_s:.2f}", "lag_s": f"{self._prediction.lag_s(uav):.2f}"}
-        if age_s > self._options.stale_after_s:
-            return Status(uav, STALE, f"excluded: last pose is {age_s:.1f} s old", facts)
+        """Who is linked how well, whose pose is stale, what was malformed, what is to come."""
         last = self._last
-        if last is None or margins_db is None or uav not in last.adjacency.uav_ids:
-            return Status(uav, WARN, "not part of a topology yet", facts)
-        index = last.adjacency.uav_ids.index(uav)
-        linked = last.adjacency.links[0, index]
-        facts["last_slot"] = str(last.adjacency.horizon.first)
-        facts["neighbours"] = str(int(linked.sum()))
-        if linked.any():
-            facts["margin_db"] = f"{margins_db[index][linked].min():.2f}"
-        if last.topology.deficit[0, index]:
-            return Status(uav, ERROR, f"has fewer than {last.k_min} neighbours", facts)
-        if uav in last.late:
-            return Status(uav, WARN, "predicted from a late pose", facts)
-        return Status(uav, OK, f"{int(linked.sum())} neighbours", facts)
+        heard = Heard(
+            self._prediction,
+            last,
+            None if last is None else self._margins_db(last),
+            self._watch.dangers,
+            self._options.stale_after_s,
+            self.intake.facts,
+        )
+        missing = self._plan.missing if self._horizon is None else ()
+        uavs = (about_uav(heard, uav, now_ns) for uav in self._plan.uav_ids)
+        return [about_node(heard, missing), *uavs]

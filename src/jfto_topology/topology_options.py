@@ -22,3 +22,6 @@ class TopologyOptions:
         0.2, "How long after a slot's beginning poses are waited for.", unit="s", low=0.0, high=60.0
     )
     markers: bool = param(True, "Publish markers for RViz and Foxglove.")
+    watch_slots: int = param(
+        20, "Slots ahead in which breaches of the certificate are looked for.", low=1, high=10_000
+    )

@@ -20,14 +20,16 @@ HORIZON = SlotHorizon(6, at(12.0), 2.0, 5)
 POSITIONS = np.tile(np.array([[0.0, 0, 0], [300.0, 0, 0]]), (5, 1, 1))
 
 
-def _plan(left_j: float, slot_count: int = 10, intervals_of: SlotHorizon = HORIZON):
+def _plan(
+    left_j: float | dict[str, float], slot_count: int = 10, intervals_of: SlotHorizon = HORIZON
+):
     links = np.tile(~np.eye(2, dtype=bool), (5, 1, 1))
     bounds = np.tile(np.array([0.1, 0.5]), (5, 2, 1))
     return plan_horizon(
         Adjacency(HORIZON, IDS, links),
         PowerIntervals(intervals_of, IDS, bounds),
         POSITIONS,
-        dict.fromkeys(IDS, left_j),
+        left_j if isinstance(left_j, dict) else dict.fromkeys(IDS, left_j),
         slot_count=slot_count,
         channel=make_channel(RADIO),
         radio=RADIO,
@@ -62,6 +64,23 @@ def test_a_shortage_holds_the_longest_prefix() -> None:
     assert (power[:2] >= 0.1).all()
     assert (power[2:] == 0).all()
     assert (power.sum(axis=0) * 2.0 <= 0.5 + 1e-12).all()
+
+
+def test_one_uav_short_of_energy_does_not_silence_the_fleet() -> None:
+    """uav1 can pay for two slots; uav2 goes on to the end of its own budget."""
+    planned = _plan({"uav1": 0.5, "uav2": 3.0})
+    assert planned.shortage is not None
+    assert planned.shortage.uavs == (0,)
+    power = planned.schedule.power_w
+    assert (power[2:, 0] == 0).all()
+    assert (power[:, 1] >= 0.1).all()
+    assert (power.sum(axis=0) * 2.0 <= np.array([0.5, 3.0]) + 1e-12).all()
+
+
+def test_on_the_way_home_the_least_powers_are_all_that_is_spent() -> None:
+    """From slot N on there is no telling how long it takes."""
+    power = _plan(3.0, slot_count=6).schedule.power_w
+    np.testing.assert_allclose(power, 0.1, rtol=1e-9)
 
 
 def test_messages_of_two_horizons_are_not_mixed() -> None:

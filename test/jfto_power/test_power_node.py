@@ -7,12 +7,15 @@ import json
 import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
+from rcl_interfaces.msg import Log
 from std_msgs.msg import Float64, Float64MultiArray, UInt8MultiArray
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.network import Adjacency, PowerIntervals, SlotHorizon
 from jfto_msgs_py.ros import qos, topics
+from jfto_msgs_py.ros.energy import decode_energy_left
+from jfto_msgs_py.ros.events import ERROR, INFO, WARN, Event, decode_event
 from jfto_msgs_py.ros.network import (
     decode_power_schedule,
     encode_adjacency,
@@ -46,6 +49,7 @@ class _Topology:
         self.setpoints = {
             uav: graph.collect(Float64, topics.tx_power(uav), qos.latched()) for uav in IDS
         }
+        self.heard = graph.collect(Log, topics.EVENTS, qos.events())
         self.diagnostics = graph.collect(DiagnosticArray, topics.DIAGNOSTICS, qos.default())
 
     def plan(self) -> None:
@@ -62,6 +66,9 @@ class _Topology:
 
     def schedule(self):
         return decode_power_schedule(self.schedules[-1])
+
+    def events(self, kind: str) -> list[Event]:
+        return [each for each in map(decode_event, self.heard) if each.kind == kind]
 
     def facts(self, name: str) -> dict[str, str]:
         for message in reversed(self.diagnostics):
@@ -157,8 +164,9 @@ def test_energy_is_charged_and_outlives_a_restart(graph, tmp_path) -> None:
 def test_an_account_of_another_fleet_is_refused(graph, tmp_path) -> None:
     """The node does not start on it, and says what to do."""
     file = tmp_path / "energy.json"
-    file.write_text('{"format": "jfto-energy", "version": 1, "at_ns": 0, "budget_j": {}, '
-                    '"left_j": {}, "power_w": {}}')  # fmt: skip
+    document = {"format": "jfto-energy", "version": 2, "at_ns": 0, "charged_from_ns": None}
+    document |= {"budget_j": {}, "left_j": {}, "power_w": {}}
+    file.write_text(json.dumps(document))
     with pytest.raises(InputError, match="other budgets or another fleet"):
         graph.add(PowerNode, state_file=str(file))
 
@@ -233,3 +241,89 @@ def test_a_shortage_is_told(graph) -> None:
         graph.at(0.1 + 1.1 * step)
     graph.until(lambda: topology.facts("power_node").get("level") == "2")
     assert "uav1" in topology.facts("power_node")["text"]
+    graph.until(lambda: len(topology.events("energy")) == 3)
+    event = topology.events("energy")[0]
+    assert (event.level, event.uav_id) == (WARN, "uav1")
+    assert event.text == (
+        "uav1 lacks 0.07 J for the least powers of its topology: it is held until slot 0 and "
+        "silent then, the others go on."
+    )
+
+
+def test_silence_of_the_topology_is_told_once_and_its_end(graph) -> None:
+    """Two slots without news: WARN; past the horizon: ERROR; heard again: over."""
+    topology = _start(graph)
+    graph.at(0.1)
+    topology.publish(0)
+    graph.until(lambda: topology.schedules)
+    for seconds in (2.0, 4.2, 5.3, 6.4, 7.5, 8.6, 9.7):
+        graph.at(seconds)
+    graph.until(lambda: len(topology.events("topology")) == 2)
+    topology.publish(5)
+    graph.until(lambda: len(topology.schedules) == 2)
+    graph.at(10.8)
+    graph.until(lambda: len(topology.events("topology")) == 3)
+    assert [event.level for event in topology.events("topology")] == [WARN, ERROR, INFO]
+
+
+def test_a_radio_whose_energy_is_used_up_is_put_to_silence_at_once(graph) -> None:
+    """The last row stays in force beyond its slot until 0.5 J are gone; never below zero."""
+    topology = _start(graph, energy_j=0.5)
+    graph.at(0.0)
+    topology.publish(10, 1)
+    graph.until(lambda: topology.schedules and all(topology.setpoints.values()))
+    assert topology.schedule().power_w[0].tolist() == [0.01, 0.01, 0.01]
+    account = graph.executor.get_nodes()[-1]._account
+    graph.at(30.0)
+    assert not topology.events("energy")
+    graph.at(50.0)
+    graph.until(lambda: len(topology.events("energy")) == 3)
+    graph.until(lambda: all(len(got) == 2 for got in topology.setpoints.values()))
+    assert topology.setpoints["uav1"][-1].data == float("-inf")
+    assert max(account.left_j.values()) < 1e-6
+    assert topology.events("energy")[0].level == ERROR
+
+
+def test_nothing_is_charged_on_the_pads(graph) -> None:
+    """Setpoints are in force before time zero, and their energy is not counted."""
+    topology = _start(graph)
+    energy = graph.collect(Float64MultiArray, topics.ENERGY_LEFT, qos.latched())
+    graph.at(-30.0)
+    topology.publish(0)
+    graph.until(lambda: all(topology.setpoints.values()) and energy)
+    graph.at(0.0)
+    topology.publish(0, 3)
+    graph.until(lambda: len(topology.schedules) == 2)
+    graph.until(lambda: len(energy) >= 2)
+    assert decode_energy_left(energy[-1]) == {"uav1": 8.0, "uav2": 8.0, "uav3": 8.0}
+
+
+def test_a_late_joiner_begins_in_the_slot_that_is_on(graph) -> None:
+    """A node that hears of slots 0 to 3 in slot 2 schedules slots 2 and 3, and pays for those."""
+    topology = _start(graph)
+    graph.at(4.5)
+    topology.publish(0)
+    graph.until(lambda: topology.schedules)
+    horizon = topology.schedule().horizon
+    assert (horizon.first, horizon.count, horizon.t0_ns) == (2, 2, at(4.0))
+
+
+def test_a_topology_of_fewer_uavs_leaves_the_others_their_power(graph) -> None:
+    """Two of three are scheduled anew; the third keeps its setpoint, and diagnostics say so."""
+    topology = _start(graph)
+    graph.at(0.1)
+    topology.publish(0)
+    graph.until(lambda: all(topology.setpoints.values()))
+    account = graph.executor.get_nodes()[-1]._account
+    before_w = account.power_w["uav3"]
+    horizon = SlotHorizon(1, at(DURATION_S), DURATION_S, 4)
+    links = np.broadcast_to(~np.eye(2, dtype=bool), (4, 2, 2)).copy()
+    bounds = np.broadcast_to([0.02, 0.03], (4, 2, 2)).copy()
+    graph.at(2.1)
+    two = ("uav1", "uav2")
+    topology.adjacency.publish(encode_adjacency(Adjacency(horizon, two, links)))
+    topology.intervals.publish(encode_power_intervals(PowerIntervals(horizon, two, bounds)))
+    graph.until(lambda: len(topology.schedules) == 2)
+    assert topology.schedule().uav_ids == two
+    assert account.power_w["uav1"] == pytest.approx(0.03)
+    assert account.power_w["uav3"] == before_w

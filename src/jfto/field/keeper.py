@@ -23,6 +23,8 @@ from jfto_world.radio import make_channel, pairwise_distances
 
 # Enough for any screen; all events are in the bag.
 _EVENTS_KEPT = 500
+# A lag is not known to the last bit; so near to its waypoint a UAV is there.
+_AT_S = 0.05
 
 
 class FieldKeeper:
@@ -131,7 +133,8 @@ class FieldKeeper:
         if clock_s is not None and clock_s >= 0 and age_s is not None:
             late_s = self._prediction.lag_s(uav.id)
             # Nobody knows how far a silent one has come since.
-            done = int(np.searchsorted(arrivals, clock_s - age_s - late_s, side="right"))
+            reached_s = clock_s - age_s - late_s + _AT_S
+            done = int(np.searchsorted(arrivals, reached_s, side="right"))
             if done < len(arrivals):
                 next_in_s = float(arrivals[done]) + late_s - clock_s
         phase = phases.phase_of(

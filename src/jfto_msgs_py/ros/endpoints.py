@@ -103,6 +103,14 @@ TOPICS = (
         "[slot, uav], power in W",
     ),
     Topic(
+        topics.ENERGY_LEFT,
+        "std_msgs/msg/Float64MultiArray",
+        qos.latched,
+        (_POWER,),
+        (_TOPOLOGY,),
+        "[uav], energy left to each radio in J, once a slot; label `uav;ids=…;t=…`",
+    ),
+    Topic(
         topics.tx_power(UAV),
         "std_msgs/msg/Float64",
         qos.latched,

@@ -7,6 +7,7 @@ MAP_FRAME = "map"  # ENU metres about the plan's origin
 ADJACENCY = "/jfto/topology/adjacency"
 POWER_INTERVAL = "/jfto/topology/power_interval"
 POWER_SCHEDULE = "/jfto/power/schedule"
+ENERGY_LEFT = "/jfto/power/energy_left"
 MARKERS = "/jfto/markers"
 DIAGNOSTICS = "/diagnostics"
 EVENTS = "/jfto/events"

@@ -90,6 +90,14 @@ class FleetPrediction:
         progress = self._look(uav_id)
         return progress is not None and progress.done
 
+    def from_start_m(self, uav_id: str) -> Array:
+        """Where the UAV was measured (3,), from where its route begins; 0 if never."""
+        pose = self._poses.get(uav_id)
+        if pose is None:
+            return np.zeros(3)
+        away_m: Array = np.array(pose.position_m) - self._trajectories[uav_id].position_m[0]
+        return away_m
+
     def fleet_lag_s(self, uav_ids: Sequence[str]) -> float | None:
         """Median lag of those of the UAVs that are under way; None where none is.
 

@@ -1,0 +1,73 @@
+"""What the operator is told of powers and energy: once, and when it is over."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from jfto_msgs_py.episodes import Episodes
+from jfto_msgs_py.ros.events import ERROR, INFO, WARN
+from jfto_power.horizon import HorizonPower
+
+# Level, kind, UAV and text of an event.
+News = tuple[int, str, str, str]
+
+
+class PowerNews:
+    """Turns what was solved, and what was not heard, into events."""
+
+    def __init__(self) -> None:
+        self._short: Episodes[str] = Episodes(2)
+        self._empty: Episodes[str] = Episodes()
+        self._silent: Episodes[str] = Episodes()
+        self._failed: Episodes[str] = Episodes()
+
+    def of_schedule(self, found: HorizonPower) -> list[News]:
+        """Events after a horizon was solved."""
+        uav_ids, shortage = found.schedule.uav_ids, found.shortage
+        first = found.schedule.horizon.first
+        texts = {}
+        if shortage is not None:
+            for uav, missing_j, held in zip(
+                shortage.uavs, shortage.missing_j, shortage.held_slots, strict=True
+            ):
+                name = uav_ids[uav]
+                texts[name] = (
+                    f"{name} lacks {missing_j:.2g} J for the least powers of its topology: it is "
+                    f"held until slot {first + int(held)} and silent then, the others go on."
+                )
+        began, over = self._short.update(texts)
+        return [
+            *((WARN, "energy", uav, texts[uav]) for uav in began),
+            *((INFO, "energy", uav, f"{uav} can pay for its least powers again.") for uav in over),
+        ]
+
+    def of_energy(self, used_up: Collection[str]) -> list[News]:
+        """Events about UAVs that have no energy left."""
+        began, _ = self._empty.update(used_up)
+        return [
+            (ERROR, "energy", uav, f"{uav} has used up its radio's energy: it is put to silence.")
+            for uav in began
+        ]
+
+    def of_trouble(self, text: str) -> list[News]:
+        """Events about an allocation that failed; "" where it did not."""
+        began, over = self._failed.update(["failed"] if text else [])
+        if began:
+            told = f"Powers could not be solved, the last schedule stays in force: {text}"
+            return [(ERROR, "power", "", told.replace("\n", " "))]
+        return [(INFO, "power", "", "Powers are solved again.")] if over else []
+
+    def of_silence(self, silent_s: float, *, run_out: bool) -> list[News]:
+        """Events about a topology that is not heard; 0 s where it is."""
+        present = [] if not silent_s else (["silent", "run out"] if run_out else ["silent"])
+        began, over = self._silent.update(present)
+        news: list[News] = []
+        if "silent" in began:
+            text = f"No topology for {silent_s:.0f} s: setpoints go on through its last schedule."
+            news.append((WARN, "topology", "", text))
+        if "run out" in began:
+            text = "The last schedule has run out: its last powers stay in force."
+            news.append((ERROR, "topology", "", text))
+        if "silent" in over:
+            news.append((INFO, "topology", "", "The topology is heard again."))
+        return news
