@@ -60,7 +60,7 @@ class FlightWatch:
         ahead = min(float(self._slots_ahead), max(slot_count - here, 0.0))
         steps = np.arange(int(ahead * FINER) + 1) / FINER
         instants_ns = now_ns + np.rint(steps * slot_s * 1e9).astype(np.int64)
-        positions_m = self._prediction.positions(uav_ids, instants_ns)
+        positions_m = self._prediction.positions(uav_ids, instants_ns, stay=True)
         dangers = look_ahead(positions_m, self._rules(found), self._apart(uav_ids))
         texts: dict[Key, tuple[float, str]] = {}
         for danger in dangers:
@@ -94,12 +94,12 @@ class FlightWatch:
         when = f"in {lead_s:.0f} s (slot {slot:.1f})" if lead_s > 0 else f"now (slot {slot:.1f})"
         lack = -danger.margin
         text = {
-            "k_min": f"{''.join(names)} lacks {lack:.1f} dB to a {k_min}. neighbour at full power "
-            f"{when}; the topology keeps what links there are.",
-            "d_min": f"{' and '.join(names)} are {self._d_min_m + danger.margin:.1f} m apart, less "
-            f"than {self._d_min_m:g} m, {when}; no order was given.",
-            "connectivity": f"The fleet falls into parts that lack {lack:.1f} dB to each other "
-            f"{when}; the topology keeps what links there are.",
+            "k_min": f"{''.join(names)} has no {k_min}. neighbour at full power {when}, up to "
+            f"{lack:.1f} dB short; the topology keeps what links there are.",
+            "d_min": f"{' and '.join(names)} are closer than {self._d_min_m:g} m {when}, down to "
+            f"{self._d_min_m + danger.margin:.1f} m; no order was given.",
+            "connectivity": f"The fleet is in parts {when}, up to {lack:.1f} dB short of each "
+            "other; the topology keeps what links there are.",
         }[danger.kind]
         return (danger.kind, "+".join(names)), text
 

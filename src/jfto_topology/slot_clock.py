@@ -16,22 +16,17 @@ class SlotClock:
     that is held up for longer repeats its slot, one that catches up may skip one. Slots never go
     back, and one begins every 0.75 to 1.25 slot lengths whatever the lag is said to be.
 
-    `slot` is the current one, -1 before the first; it began at `begin_ns`. Times are ns since the
-    epoch.
+    `slot` is the current one, -1 before the first; it began at `begin_ns`, `shift_s` seconds later
+    than planned (as it was at the end of the mission, after that). Times are ns since the epoch.
     """
 
     def __init__(self, start_ns: int, slot_count: int, duration_s: float) -> None:
         self.slot = -1
         self.begin_ns = start_ns
+        self.shift_s = 0.0
         self._start_ns = start_ns
         self._slot_count = slot_count
         self._length_ns = round(duration_s * 1e9)
-
-    @property
-    def shift_s(self) -> float:
-        """By how much later than planned the current slot began, seconds."""
-        planned_ns = self._start_ns + max(self.slot, 0) * self._length_ns
-        return (self.begin_ns - planned_ns) / 1e9
 
     def is_young(self, now_ns: int) -> bool:
         """Whether the current slot cannot be over, whatever the lag."""
@@ -51,13 +46,17 @@ class SlotClock:
     def advance(self, now_ns: int, lag_s: float | None) -> None:
         """Begin the next slot, which is due."""
         begin_ns = self.next_ns(now_ns, lag_s)
+        before = self.slot
         if self._lost(now_ns) or now_ns - begin_ns >= self._length_ns:
             self.slot, self.begin_ns = self._anchored(now_ns, lag_s)
-            return
-        shift_s = self.shift_s if lag_s is None else lag_s
-        reached = round((begin_ns - self._start_ns - shift_s * 1e9) / self._length_ns)
-        self.slot = min(max(self.slot, min(reached, self.slot + 2)), self._slot_count)
-        self.begin_ns = begin_ns
+        else:
+            shift_s = self.shift_s if lag_s is None else lag_s
+            reached = round((begin_ns - self._start_ns - shift_s * 1e9) / self._length_ns)
+            self.slot = min(max(self.slot, min(reached, self.slot + 2)), self._slot_count)
+            self.begin_ns = begin_ns
+        if self.slot < self._slot_count or before < self._slot_count:
+            planned_ns = self._start_ns + self.slot * self._length_ns
+            self.shift_s = (self.begin_ns - planned_ns) / 1e9
 
     def _lost(self, now_ns: int) -> bool:
         """Whether there is no slot to go on from: at first, and when the clock was set back."""

@@ -119,8 +119,14 @@ class FleetPrediction:
             if (stamp := self.pose_stamp_ns(uav_id)) is not None and stamp >= oldest
         )
 
-    def positions(self, uav_ids: Sequence[str], instants_ns: NDArray[np.int64]) -> Array:
-        """Predicted positions (instants, UAVs, 3)."""
+    def positions(
+        self, uav_ids: Sequence[str], instants_ns: NDArray[np.int64], *, stay: bool = False
+    ) -> Array:
+        """Predicted positions (instants, UAVs, 3).
+
+        With `stay` a UAV that stands still on its route is predicted to stay there; without it is
+        predicted to go on at once.
+        """
         columns = []
         for uav_id in uav_ids:
             plan, progress = self._trajectories[uav_id], self._look(uav_id)
@@ -130,6 +136,8 @@ class FleetPrediction:
                 continue
             lag_s = 0.0 if progress is None else progress.lag_s
             at_s = (instants_ns - plan.start_ns) / 1e9 - lag_s
+            if stay and progress is not None and progress.stands:
+                at_s = np.full_like(at_s, at_s[0])
             columns.append(sample(self._times_s[uav_id], plan.position_m, at_s))
         return np.stack(columns, axis=1)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,6 +32,9 @@ _ENTRY = 8.0
 _MEMORY_S = 10.0
 # A UAV that is behind by that much is as odd as one that is _POSITION_M beside its route.
 _ODD_LAG_S = 30.0
+# A UAV whose lag grows by that much a second, for so long, stands still.
+_STANDS_RATE = 0.7
+_STANDS_S = 3.0
 # Decides where the route stays in one place, and moves nothing elsewhere.
 _LEAST_PULL_MPS = 0.05
 
@@ -63,6 +67,7 @@ class RouteProgress:
         self._at_s = 0.0
         self._near_s = 0.0
         self._short_of_end_s = 0.0
+        self._lags: deque[tuple[float, float]] = deque()
         self.off_route = False
         self.done = False
 
@@ -77,6 +82,15 @@ class RouteProgress:
         return bool(self._guesses) and not (self.done or self.off_route)
 
     @property
+    def stands(self) -> bool:
+        """Whether the UAV has not gone on along its route lately, where it should have."""
+        if not (self.following and self._lags):
+            return False
+        span_s = self._lags[-1][0] - self._lags[0][0]
+        grown_s = self._lags[-1][1] - self._lags[0][1]
+        return span_s >= 0.8 * _STANDS_S and grown_s >= _STANDS_RATE * span_s
+
+    @property
     def _best(self) -> _Guess:
         return min(self._guesses, key=lambda guess: guess.cost)
 
@@ -86,6 +100,7 @@ class RouteProgress:
         if at_s < 0:
             # On the pad a UAV is where it should be.
             self._guesses = []
+            self._lags.clear()
             return
         first = not self._guesses
         gap_s = 0.0 if first else at_s - self._at_s
@@ -98,6 +113,9 @@ class RouteProgress:
             self._look_around(position_m)
         self._forget()
         self._judge()
+        self._lags.append((at_s, self.lag_s))
+        while self._lags[0][0] < at_s - _STANDS_S:
+            self._lags.popleft()
 
     def _follow(self, guess: _Guess, position_m: Array, gap_s: float) -> None:
         expected_s = guess.reached_s + gap_s

@@ -122,3 +122,15 @@ def test_sparse_positions_are_enough() -> None:
     progress = RouteProgress(ROUTE)
     _fly(progress, 0.0, 91.0, lambda at_s: 0.8 * at_s, every_s=15.0)
     assert progress.lag_s == pytest.approx(18.0, abs=3.0)
+
+
+def test_standing_still_is_seen_in_three_seconds_and_a_planned_hold_is_none() -> None:
+    """Not on the way, not in the hold at 240 m; three seconds after it should have gone on."""
+    progress = RouteProgress(ROUTE)
+    for end_s in np.arange(5.0, 40.5, 5.0):
+        _fly(progress, end_s - 5, end_s, lambda at_s: at_s)
+        assert not progress.stands
+    _fly(progress, 40.0, 44.0, lambda at_s: 40.0)
+    assert progress.stands
+    _fly(progress, 44.0, 48.0, lambda at_s: at_s - 4.0)
+    assert not progress.stands
