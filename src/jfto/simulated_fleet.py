@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 from jfto_msgs_py.plan import Plan
 from jfto_sim import VehicleConfig
@@ -40,8 +40,12 @@ def vehicle_configs(
     *,
     seed: int = 0,
     gps_noise_m: float = 0.0,
+    hesitations_s: Sequence[float] | None = None,
 ) -> list[VehicleConfig]:
-    """One vehicle per pad with system ids 1, 2 …, powered up at `utc_ns`."""
+    """One vehicle per pad with system ids 1, 2 …, powered up at `utc_ns`.
+
+    `hesitations_s` has the seconds that each stays on its pad when told to start.
+    """
     return [
         VehicleConfig(
             sysid=n,
@@ -50,6 +54,7 @@ def vehicle_configs(
             home_alt_m=pad[2],
             seed=seed + n - 1,
             gps_noise_m=gps_noise_m,
+            hesitation_s=0.0 if hesitations_s is None else hesitations_s[n - 1],
             utc_at_boot_us=utc_ns // 1000,
             ground=seen.get(uav),
         )

@@ -1,4 +1,7 @@
-"""Simulated vehicles in the graph: they fly by MAVLink, and their time is the graph's."""
+"""Simulated vehicles in the graph, with the air between them: they fly by MAVLink.
+
+Their time is the graph's.
+"""
 
 from __future__ import annotations
 
@@ -12,13 +15,16 @@ from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.time import Time
 from rosgraph_msgs.msg import Clock as ClockMessage
+from std_msgs.msg import Float64MultiArray
 
+from jfto.simulated_air import fleet_air, hesitations_s
 from jfto.simulated_fleet import FleetTime, grounds, pads, vehicle_configs
 from jfto.simulated_fleet_options import SimulatedFleetOptions
 from jfto_mavlink.bridge_link import BridgeLink
 from jfto_msgs_py.errors import InputError, PlanError
 from jfto_msgs_py.plan_file import read_plan
 from jfto_msgs_py.ros import qos, topics
+from jfto_msgs_py.ros.air import ARRAY_OF_TOPIC, encode_air
 from jfto_msgs_py.ros.diagnostics import OK, WARN, Status
 from jfto_msgs_py.ros.graph_node import GraphNode
 from jfto_msgs_py.scenario import Scenario
@@ -28,7 +34,7 @@ from jfto_world.terrain import Dem
 
 
 class SimulatedFleetNode(GraphNode[SimulatedFleetOptions]):
-    """Flies a vehicle per UAV from the pads of the plan file, and publishes /clock.
+    """Flies a vehicle per UAV from the pads of the plan file; publishes /clock and /jfto/air/*.
 
     `dem_of` knows a scenario's terrain. The vehicles outlive deactivation: only cleaning up, or
     the end of the process, takes them out of the air.
@@ -51,6 +57,11 @@ class SimulatedFleetNode(GraphNode[SimulatedFleetOptions]):
         self._fleet_time = FleetTime(options.speedup, options.start_time_s)
         self._last_ns = 0
         self._ticks = self.create_lifecycle_publisher(ClockMessage, topics.CLOCK, qos.clock())
+        self._air = {
+            topic: self.create_lifecycle_publisher(Float64MultiArray, topic, qos.default())
+            for topic in ARRAY_OF_TOPIC
+        }
+        self._told_ns = 0
         self.create_timer(
             1 / options.clock_rate_hz, self._tick, clock=Clock(clock_type=ClockType.STEADY_TIME)
         )
@@ -69,6 +80,7 @@ class SimulatedFleetNode(GraphNode[SimulatedFleetOptions]):
     def _open(self, stack: ExitStack) -> SimServer:
         """Vehicles on their pads; runs in the link's thread."""
         scenario, options = self._scenario, self._options
+        errors = scenario.simulation
         path = Path(options.plan_file)
         if not path.exists():
             raise PlanError(f"{path} is not there yet.")
@@ -81,17 +93,18 @@ class SimulatedFleetNode(GraphNode[SimulatedFleetOptions]):
             pads(plan),
             grounds(plan, dem),
             boot_ns,
-            seed=options.seed,
-            gps_noise_m=options.gps_noise_m,
+            seed=errors.seed,
+            gps_noise_m=errors.position_error_m,
+            hesitations_s=hesitations_s(len(plan.uavs), errors),
         )
         settings = ServerSettings(
             ((options.endpoint,),) * len(configs),
             options.speedup,
-            options.seed,
+            errors.seed,
             options.faults,
             options.control_port or None,
         )
-        server = stack.enter_context(SimServer(configs, settings))
+        server = stack.enter_context(SimServer(configs, settings, fleet_air(plan, errors, dem)))
         self._fleet_time.follow(server, boot_ns)
         count, endpoint = len(configs), options.endpoint
         self.get_logger().info(f"{count} vehicles on their pads send to {endpoint}")
@@ -105,6 +118,18 @@ class SimulatedFleetNode(GraphNode[SimulatedFleetOptions]):
             return
         self._last_ns = max(self._last_ns, self._fleet_time.now_ns())
         self._ticks.publish(ClockMessage(clock=Time(nanoseconds=self._last_ns).to_msg()))
+        self._tell_air()
+
+    def _tell_air(self) -> None:
+        """Publish the last report of the air, once."""
+        link = self._link
+        carried = None if link is None or link.opened is None else link.opened.air
+        report = None if carried is None else carried.latest
+        if report is None or report.stamp_ns == self._told_ns:
+            return
+        self._told_ns = report.stamp_ns
+        for topic, message in encode_air(report).items():
+            self._air[topic].publish(message)
 
     def statuses(self, now_ns: int) -> list[Status]:
         """Whether the vehicles are there, and by how much their time is ahead of the wall's."""

@@ -27,9 +27,7 @@ class SimulatedFleetOptions:
     clock_rate_hz: float = param(
         50.0, "How often /clock is published, by the wall clock.", unit="Hz", low=1.0, high=1000.0
     )
-    gps_noise_m: float = param(
-        0.0, "Standard deviation of their horizontal position.", unit="m", low=0.0, high=100.0
-    )
-    seed: int = param(0, "Of all randomness.", low=0)
     faults: tuple[str, ...] = param((), "Fault lines carried out at start (docs/simulator.md).")
-    control_port: int = param(0, "UDP port that takes fault lines; 0: none.", low=0, high=65535)
+    control_port: int = param(
+        0, "UDP port that takes fault lines and sets radios; 0: none.", low=0, high=65535
+    )

@@ -22,8 +22,9 @@ class VehicleConfig:
     `parameters` replaces defaults at power-up. `uid2` (18 bytes) is the AUTOPILOT_VERSION uid; the
     default differs per system id, so that two vehicles can be told apart. `wind_mps` (east, north)
     is where the air moves to. `gps_noise_m` is the standard deviation of the reported horizontal
-    position. `clock_drift_ppm` makes the vehicle's own clock run fast. `utc_at_boot_us` is UTC at
-    power-up in microseconds.
+    position, `hesitation_s` how much longer than its motors need it stays on the ground once told
+    to take off. `clock_drift_ppm` makes the vehicle's own clock run fast. `utc_at_boot_us` is UTC
+    at power-up in microseconds.
     """
 
     sysid: int = 1
@@ -37,6 +38,7 @@ class VehicleConfig:
     uid2: tuple[int, ...] | None = None
     wind_mps: tuple[float, float] = (0.0, 0.0)
     gps_noise_m: float = 0.0
+    hesitation_s: float = 0.0
     clock_drift_ppm: float = 0.0
     utc_at_boot_us: int = RECORDED_UTC_AT_BOOT_US
     ground: Callable[[float, float], float] | None = None
@@ -54,8 +56,9 @@ class VehicleConfig:
             raise InputError(f"port_count is {self.port_count}, must be 1 to {PORT_MAX}.")
         if self.uid2 is not None and len(self.uid2) != 18:
             raise InputError(f"uid2 has {len(self.uid2)} bytes, must have 18.")
-        if self.gps_noise_m < 0:
-            raise InputError(f"gps_noise_m is {self.gps_noise_m}, must not be negative.")
+        for name in ("gps_noise_m", "hesitation_s"):
+            if getattr(self, name) < 0:
+                raise InputError(f"{name} is {getattr(self, name)}, must not be negative.")
 
     @property
     def identity(self) -> list[int]:

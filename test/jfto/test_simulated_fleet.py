@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+import math
 import time
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 from rosgraph_msgs.msg import Clock
+from std_msgs.msg import Float64, Float64MultiArray
 
+from jfto.simulated_air import hesitations_s
 from jfto.simulated_fleet import FleetTime, pads, vehicle_configs
 from jfto.simulated_fleet_node import SimulatedFleetNode
 from jfto_mavlink.link.free_port import free_udp_port
 from jfto_msgs_py.errors import JftoError
+from jfto_msgs_py.plan_file import write_plan
 from jfto_msgs_py.ros import qos, topics
+from jfto_msgs_py.ros.air import ARRAY_OF_TOPIC as AIR
+from jfto_msgs_py.ros.air import decode_air
 from jfto_msgs_py.ros.stamps import decode_time
 from jfto_msgs_py.scenario import Given, make_scenario
+from jfto_msgs_py.scenario.simulation import SimulationPart
+from jfto_power.radio_node import RadioNode
 from jfto_sim import Vehicle, VehicleConfig
 from jfto_sim.server import ServerSettings, SimServer
 from support.graph import Graph
@@ -79,3 +87,54 @@ def test_a_fleet_without_a_plan_is_refused() -> None:
     """Nobody knows where its vehicles would stand."""
     with Graph() as graph, pytest.raises(JftoError, match="plan_file is empty"):
         graph.add(SimulatedFleetNode)
+
+
+def test_the_air_hears_setpoints_and_tells_what_became_of_them(tmp_path) -> None:
+    """From the radio node's setpoint to the power sent, the links and the rates, in their time."""
+    plan = side_by_side(make_scenario([{"fleet.count": Given(3, "test")}]))
+    write_plan(plan, tmp_path / "plan.json")
+    control = free_udp_port()
+    with Graph() as graph:
+        graph.add(
+            SimulatedFleetNode, None, plan_file=str(tmp_path / "plan.json"), speedup=5.0,
+            endpoint=f"udpto:127.0.0.1:{free_udp_port()}", control_port=control,
+            simulation__path_loss_error_db=3.0,
+        )  # fmt: skip
+        got = {topic: graph.collect(Float64MultiArray, topic, qos.default()) for topic in AIR}
+        graph.until(lambda: all(got.values()))
+        graph.add(RadioNode, driver="sim", control=f"127.0.0.1:{control}")
+        power = graph.observer.create_publisher(Float64, topics.tx_power("uav1"), qos.latched())
+        power.publish(Float64(data=10.0))
+
+        def label(topic):
+            return got[topic][-1].layout.dim[0].label
+
+        graph.until(
+            lambda: (
+                got[topics.AIR_POWER][-1].data[0] == pytest.approx(0.01)
+                and len({label(topic) for topic in AIR}) == 1
+            )
+        )
+        report = decode_air({topic: messages[-1] for topic, messages in got.items()})
+    assert report.uav_ids == ("uav1", "uav2", "uav3")
+    assert report.energy_j.tolist() == [0.0, 0.0, 0.0]
+    # 100 m in free space lose 74.2 dB with 3 dBi at both ends; 3 dB more were asked for.
+    assert 10 * math.log10(report.gain[0, 1]) == pytest.approx(-77.2, abs=0.1)
+    # 10 dBm of the one, 30 dBm of the others: -67 dBm are heard at 100 m, -73 dBm are not at 200 m.
+    assert report.links.tolist() == [
+        [False, True, False],
+        [True, False, True],
+        [False, True, False],
+    ]
+
+
+def test_errors_of_the_scenario_reach_the_vehicles() -> None:
+    """Late starts are half-normal and of the seed; none without an error."""
+    assert hesitations_s(3, SimulationPart()) == [0.0, 0.0, 0.0]
+    late = hesitations_s(500, SimulationPart(time_error_s=3.0, seed=4))
+    assert min(late) >= 0.0
+    # The mean of a half-normal draw is 0.8 σ.
+    assert sum(late) / 500 == pytest.approx(2.4, abs=0.25)
+    assert late[:3] == hesitations_s(3, SimulationPart(time_error_s=3.0, seed=4))
+    configs = vehicle_configs({"uav1": (47.0, 8.0, 400.0)}, {}, 10**18, hesitations_s=[2.5])
+    assert configs[0].hesitation_s == 2.5

@@ -68,6 +68,9 @@ def graph_commands(options: GraphOptions) -> list[NodeCommand]:
     }
     own["topology_node"] = {}
     own["power_node"] = {"state_file": options.directory / ENERGY_NAME}
+    if options.simulate:
+        # Real radios are set aboard, each by a node on its UAV's companion.
+        own["radio_node"] = {}
     if options.play_poses:
         own["pose_player"] = {}
     if options.bridge:

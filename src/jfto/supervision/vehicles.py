@@ -96,7 +96,7 @@ def _check_simulated(texts: Sequence[str], uavs: Sequence[str]) -> None:
 
 def _simulated(speedup: float) -> Vehicles:
     """A process of simulated vehicles and the bridge to it, on a port that is free now."""
-    port = free_udp_port()
+    port, control = free_udp_port(), free_udp_port()
     # A busy computer stalls a process for seconds of sped-up time.
     patience = max(1.0, speedup / 4)
     return Vehicles(
@@ -106,7 +106,9 @@ def _simulated(speedup: float) -> Vehicles:
                 "endpoint": f"udpto:127.0.0.1:{port}",
                 "speedup": float(speedup),
                 "start_time_s": time.time(),
+                "control_port": control,
             },
+            "radio_node": {"driver": "sim", "control": f"127.0.0.1:{control}"},
             "mavlink_bridge": {
                 "endpoints": (f"udpin:127.0.0.1:{port}",),
                 "speedup": float(speedup),

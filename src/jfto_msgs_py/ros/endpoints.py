@@ -126,6 +126,16 @@ TOPICS = (
         ("any",),
         "power read back from the radio, dBm; -inf for silence",
     ),
+    *(
+        Topic(topic, "std_msgs/msg/Float64MultiArray", qos.default, (_FLEET,), ("any",), doc)
+        for topic, doc in (
+            (topics.AIR_POWER, "[uav], power really sent in W; every 0.5 s, as all of the air's"),
+            (topics.AIR_ENERGY, "[uav], energy sent so far in J"),
+            (topics.AIR_RATE, "[uav, uav], bit/s over links, 0 where there is none"),
+            (topics.AIR_DELIVERY, "[uav, uav], share of packets that arrive, from row to column"),
+            (topics.AIR_GAIN, "[uav, uav], path gain that receivers measure, 0: nothing heard"),
+        )
+    ),
     Topic(
         topics.MARKERS,
         "visualization_msgs/msg/MarkerArray",

@@ -37,7 +37,7 @@ class SimulationPart:
     )
     position_error_m: float = param(
         0.0,
-        "Standard deviation of reported positions, east and north.",
+        "Standard deviation of reported positions, east and north, correlated over 3 s.",
         unit="m",
         low=0.0,
         high=100.0,
@@ -45,10 +45,10 @@ class SimulationPart:
     )
     time_error_s: float = param(
         0.0,
-        "Standard deviation of how late or early each vehicle starts its route.",
+        "How late vehicles begin their missions: σ of a half-normal draw.",
         unit="s",
         low=0.0,
-        high=60.0,
+        high=10.0,
         hashed=False,
     )
     seed: int = param(0, "Seed of all errors.", low=0, high=2**31 - 1, hashed=False)

@@ -105,6 +105,7 @@ class Takeoff:
         self.begins_s = now
         if body.landed:
             self.begins_s += max(_SPOOL_UP_S, _SPOOL_AFTER_ARM_S - armed_for)
+            self.begins_s += self.vehicle.config.hesitation_s
         self.done = False
 
     def step(self, dt_s: float) -> None:

@@ -29,8 +29,11 @@ def test_simulated_vehicles_and_their_bridge_share_link_speed_and_time(tmp_path)
     commands = {node.name: list(node.command) for node in graph_commands(options)}
     assert list(commands) == [
         "recorder", "simulated_fleet", "planner_node", "topology_node", "power_node",
-        "mavlink_bridge",
+        "radio_node", "mavlink_bridge",
     ]  # fmt: skip
+    assert "driver:=sim" in commands["radio_node"]
+    control = f"control:=127.0.0.1:{fleet['control_port']}"
+    assert control in commands["radio_node"]
     assert "--use-sim-time" in commands["recorder"]
     assert all("use_sim_time:=true" in c for n, c in commands.items() if n != "recorder")
     link = f'endpoints:=["udpin:{str(fleet["endpoint"]).partition(":")[2]}"]'

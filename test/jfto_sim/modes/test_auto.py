@@ -101,6 +101,22 @@ def test_takeoff_time(pilot):
     assert pilot.vehicle.time_s - begun == pytest.approx(12.0, abs=0.5)
 
 
+def test_a_vehicle_that_hesitates_lifts_off_later(pilot):
+    """The start order is accepted at once; the same takeoff is done that much later."""
+    slow = Pilot(Vehicle(VehicleConfig(hesitation_s=4.0)))
+    slow.ready()
+    done = []
+    for each in (pilot, slow):
+        each.command(176, 1, 4)
+        each.command(400, 1)
+        each.run(6.0)
+        start(each, [TAKEOFF, waypoint(0, 30)])
+        begun = each.vehicle.time_s
+        until(each, "Mission: 2 WP")
+        done.append(each.vehicle.time_s - begun)
+    assert done[1] - done[0] == pytest.approx(4.0, abs=0.05)
+
+
 def test_reached_number_may_be_that_of_the_next_item(flying):
     """Before 178 and 205 the waypoint's own number is replaced, before 203 and 115 it is kept."""
     start(flying, [waypoint(0, 30), do(178, 1, 8), waypoint(0, 60), do(203, x=1), waypoint(0, 90),
