@@ -79,8 +79,16 @@ def read_roster(options: BridgeOptions, uavs: Sequence[str]) -> Roster:
 
 
 def rates(options: BridgeOptions) -> dict[int, float]:
-    """Message rates, Hz: position and attitude as asked for, the fix at most as often."""
+    """Message rates, Hz: position and attitude as asked for, the fix at most as often.
+
+    From vehicles whose time passes faster all but the position comes once a second of theirs.
+    """
     wanted = options.telemetry_rate_hz
+    if options.speedup > 1.0:
+        return {
+            **{message_id: min(rate, 1.0) for message_id, rate in DEFAULT_RATES.items()},
+            mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: wanted,
+        }
     return {
         **DEFAULT_RATES,
         mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: wanted,

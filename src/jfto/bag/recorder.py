@@ -132,5 +132,7 @@ class BagRecorder:
             "custom_data": None,
             "ros_distro": "rosbags",
         }
-        text = yaml.safe_dump({"rosbag2_bagfile_information": information}, sort_keys=False)
-        return str(text)
+        # Written twice a second: in Python it took as much of a core as all the rest of recording.
+        dumper = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
+        document = {"rosbag2_bagfile_information": information}
+        return str(yaml.dump(document, Dumper=dumper, sort_keys=False))

@@ -7,6 +7,8 @@ from typing import Any, Generic, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import Log
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
 from rclpy.lifecycle import LifecycleNode, LifecyclePublisher, TransitionCallbackReturn
 
 from jfto_msgs_py.errors import JftoError, MessageError, ScenarioError
@@ -179,7 +181,9 @@ class GraphNode(LifecycleNode, Generic[Options]):
         self._diagnostics = self.create_publisher(
             DiagnosticArray, topics.DIAGNOSTICS, qos.default()
         )
-        self.create_timer(_DIAGNOSTICS_PERIOD_S, self._diagnose)
+        # They are for people, who live by the wall clock however fast simulated time passes.
+        wall = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(_DIAGNOSTICS_PERIOD_S, self._diagnose, clock=wall)
         self._entities = {kind: new - before[kind] for kind, new in self._listed().items()}
         self._built_from = wanted
 
