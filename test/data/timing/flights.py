@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from jfto_world.motion.arducopter import WpNav
+from jfto_world.motion.arducopter import WpNav, fly_route, fly_splines
 
 DATA = Path(__file__).parent
 
@@ -58,6 +58,18 @@ def runs():
         name: (legs[0]["parameters"], *(np.array([float(r[c]) for r in legs]) for c in columns))
         for name, legs in found.items()
     }
+
+
+def flown_leg_times(name):
+    """Leg times (20,) of a recorded run in closed loop."""
+    parameters = runs()[name][0]
+    wpnav, wind = wpnav_of(parameters), wind_of(parameters)
+    if name.startswith("c"):
+        flight = fly_splines(mission_route(), wpnav, wind_mps=wind)
+    else:
+        hold = np.full(21, 1.0) if name.startswith("d") else None
+        flight = fly_route(mission_route(), wpnav, hold_s=hold, wind_mps=wind)
+    return np.diff(flight.reached_s)
 
 
 def track(name):

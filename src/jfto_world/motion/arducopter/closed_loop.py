@@ -25,6 +25,7 @@ Flags = NDArray[np.bool_]
 
 _SLOWEST_CLOCK = 0.1
 _SETTLE_MAX_S = 60.0
+_HOVER_S = 30.0
 
 
 @dataclass(frozen=True)
@@ -70,21 +71,42 @@ def fly_route(
     budget = track.duration_s / _SLOWEST_CLOCK + _SETTLE_MAX_S * (len(points) + 1)
     record = np.zeros((int(np.ceil(budget / step_s)) + 1, 10))
     reached = np.zeros(len(points))
-    state = hover_state(points[0])
+    wind = np.array(wind_mps, dtype=np.float64)
     count = _fly(
         points, track.legs, track.half_overlap_s, stops, holds, wpnav.radius_m, parameters,
-        np.array(wind_mps, dtype=np.float64), step_s, state, reached, record,
+        wind, step_s, flown_state(points[0], parameters, wind, step_s), reached, record,
     )  # fmt: skip
+    return flight_of_record(record, count, reached, step_s, budget, wpnav, wind)
+
+
+def flown_state(point_m: Array, parameters: Array, wind: Array, step_s: float) -> Array:
+    """State of a vehicle that has hovered over a point for long enough to lean into the wind."""
+    state = hover_state(point_m)
+    if wind.any():
+        _settle(state, parameters, wind, step_s)
+    return state
+
+
+def flight_of_record(
+    record: Array,
+    count: int,
+    reached_s: Array,
+    step_s: float,
+    budget_s: float,
+    wpnav: WpNav,
+    wind: Array,
+) -> Flight:
+    """The flight of `count` recorded steps; raises InfeasibleError where they did not suffice."""
     if count == 0:
-        late = int(np.argmax(reached[1:] == 0)) + 1
+        late = int(np.argmax(reached_s[1:] == 0)) + 1
         raise InfeasibleError(
-            f"Point {late} of the route is not reached within {budget:.0f} s: the wind of "
-            f"{np.hypot(*wind_mps):.1f} m/s and the route's speeds ask for more tilt than "
+            f"Point {late} of the route is not reached within {budget_s:.0f} s: the wind of "
+            f"{np.hypot(*wind):.1f} m/s and the route's speeds ask for more tilt than "
             f"{wpnav.angle_max_deg:g}°.",
             cures=("lower the speed", "raise the tilt limit", "wait for less wind"),
         )
     kept = record[:count].copy()
-    return Flight(reached, step_s, kept[:, :3], kept[:, 3:6], kept[:, 6:9], kept[:, 9])
+    return Flight(reached_s, step_s, kept[:, :3], kept[:, 3:6], kept[:, 6:9], kept[:, 9])
 
 
 # compiled anew in each process: the compiler's cache would miss changes in the files called
@@ -100,6 +122,15 @@ def _aim(points: Array, legs: Array, elapsed: Array, leg: int, target: Array) ->
             target[0, axis] += x * legs[k, axis]
             target[1, axis] += w * legs[k, axis]
             target[2, axis] += a * legs[k, axis]
+
+
+@njit(nogil=True)
+def _settle(state: Array, parameters: Array, wind: Array, dt_s: float) -> None:
+    """Let a hovering vehicle lean into the wind, as one does that has waited for its mission."""
+    target = np.zeros((3, 3))
+    target[0] = state[:3]
+    for _ in range(int(_HOVER_S / dt_s)):
+        follow_step(state, target, parameters, wind[0], wind[1], dt_s)
 
 
 @njit(nogil=True)

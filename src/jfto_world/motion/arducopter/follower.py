@@ -154,24 +154,38 @@ def _turn(state: Array, target: Array, dt_s: float) -> None:
 def _move(
     state: Array, parameters: Array, wind_e: float, wind_n: float, accel_u: float, dt_s: float
 ) -> None:
-    """Drag and motion: linear drag in all directions, quadratic drag along and across the nose."""
+    """Thrust along the tilted rotor axis, drag along the three body axes, and motion.
+
+    The rotors' own drag is linear and grows with the root of the thrust (they turn faster), that
+    of the body is quadratic along each axis. The thrust is what gives `accel_u` against both.
+    """
+    tilt_e, tilt_n = state[THRUST], state[THRUST + 1]
     he, hn = state[HEADING], state[HEADING + 1]
     if he == 0.0 and hn == 0.0:
         hn = 1.0
-    air_e, air_n, air_u = (
-        state[VELOCITY] - wind_e,
-        state[VELOCITY + 1] - wind_n,
-        state[VELOCITY + 2],
-    )
-    ahead = air_e * he + air_n * hn
-    aside = air_n * he - air_e * hn
-    ahead *= parameters[1] + parameters[2] * abs(ahead)
-    aside *= parameters[1] + parameters[2] * abs(aside)
-    # the tilt is set for level flight; climbing takes more thrust, which then pushes harder
-    rise = air_u * (parameters[1] + parameters[2] * abs(air_u))
-    push = 1.0 + (accel_u + rise) / GRAVITY_MPS2
-    accel_e = state[THRUST] * push - (ahead * he - aside * hn)
-    accel_n = state[THRUST + 1] * push - (ahead * hn + aside * he)
+    size = math.sqrt(tilt_e * tilt_e + tilt_n * tilt_n + GRAVITY_MPS2 * GRAVITY_MPS2)
+    ue, un, uu = tilt_e / size, tilt_n / size, GRAVITY_MPS2 / size
+    # the least rotation that tilts the rotor axis carries the nose and the side along
+    lean = (he * ue + hn * un) / (1.0 + uu)
+    ae, an, au = he - lean * ue, hn - lean * un, -lean * (1.0 + uu)
+    se, sn, su = un * au - uu * an, uu * ae - ue * au, ue * an - un * ae
+    air_e, air_n = state[VELOCITY] - wind_e, state[VELOCITY + 1] - wind_n
+    air_u = state[VELOCITY + 2]
+    ahead = air_e * ae + air_n * an + air_u * au
+    aside = air_e * se + air_n * sn + air_u * su
+    above = air_e * ue + air_n * un + air_u * uu
+    thrust = (GRAVITY_MPS2 + accel_u) / uu
+    drag_e, drag_n = 0.0, 0.0
+    for _ in range(3):
+        linear = parameters[1] * math.sqrt(max(thrust, 0.0) / GRAVITY_MPS2)
+        x = ahead * (linear + parameters[2] * abs(ahead))
+        y = aside * (linear + parameters[2] * abs(aside))
+        z = above * (linear + parameters[2] * abs(above))
+        drag_e = x * ae + y * se + z * ue
+        drag_n = x * an + y * sn + z * un
+        thrust = (GRAVITY_MPS2 + accel_u + x * au + y * su + z * uu) / uu
+    accel_e = thrust * ue - drag_e
+    accel_n = thrust * un - drag_n
     for axis, accel in enumerate((accel_e, accel_n, accel_u)):
         state[POSITION + axis] += dt_s * (state[VELOCITY + axis] + 0.5 * dt_s * accel)
         state[VELOCITY + axis] += dt_s * accel
