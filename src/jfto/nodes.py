@@ -39,9 +39,10 @@ def planner_node(arguments: Arguments = None) -> int:
 def topology_node(arguments: Arguments = None) -> int:
     """Run the topology node."""
     use_stand_in_where_needed()
+    from jfto.scenario_terrain import dem_of
     from jfto_topology.topology_node import TopologyNode
 
-    return _run(TopologyNode, arguments)
+    return _run(lambda: TopologyNode(dem_of), arguments)
 
 
 def power_node(arguments: Arguments = None) -> int:
@@ -71,7 +72,8 @@ def pose_player(arguments: Arguments = None) -> int:
 def mavlink_bridge(arguments: Arguments = None) -> int:
     """Run the bridge to vehicles."""
     use_stand_in_where_needed()
-    from jfto.bridge_fleet import ground_of, open_simulated
+    from jfto.bridge_fleet import open_simulated
+    from jfto.scenario_terrain import ground_of
     from jfto_mavlink.mavlink_bridge import MavlinkBridgeNode
 
     return _run(lambda: MavlinkBridgeNode(open_simulated, ground_of), arguments)
@@ -80,7 +82,7 @@ def mavlink_bridge(arguments: Arguments = None) -> int:
 def simulated_fleet(arguments: Arguments = None) -> int:
     """Run simulated vehicles, whose time is that of the graph."""
     use_stand_in_where_needed()
-    from jfto.bridge_fleet import dem_of
+    from jfto.scenario_terrain import dem_of
     from jfto.simulated_fleet_node import SimulatedFleetNode
 
     return _run(lambda: SimulatedFleetNode(dem_of), arguments)

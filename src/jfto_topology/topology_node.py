@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -26,20 +27,26 @@ from jfto_topology.fleet_news import FleetNews
 from jfto_topology.flight_watch import FlightWatch
 from jfto_topology.horizon import HorizonSettings, HorizonTopology, Links, TopologyHorizon
 from jfto_topology.markers import Scene, encode_markers
+from jfto_topology.terrain_mesh import encode_terrain
 from jfto_topology.topology_options import TopologyOptions
 from jfto_topology.topology_status import Heard, about_node, about_uav
 from jfto_world.motion.fleet_plan import FleetPlan
 from jfto_world.motion.fleet_prediction import FleetPrediction
 from jfto_world.radio import make_channel, pairwise_distances
+from jfto_world.terrain import Dem
 
 # How soon to look again for a fleet that nobody hears of, at least.
 _RETRY_S = 0.1
 
 
 class TopologyNode(GraphNode[TopologyOptions]):
-    """Publishes the topology of the slots ahead as soon as a slot's poses have come."""
+    """Publishes the topology of the slots ahead as soon as a slot's poses have come.
 
-    def __init__(self, **arguments: Any) -> None:
+    `dem_of` knows a scenario's terrain, for drawing it.
+    """
+
+    def __init__(self, dem_of: Callable[[Scenario], Dem] | None = None, **arguments: Any) -> None:
+        self._dem_of = dem_of
         self._horizon: TopologyHorizon | None = None
         self._last: HorizonTopology | None = None
         self._since_ns = 0
@@ -85,6 +92,14 @@ class TopologyNode(GraphNode[TopologyOptions]):
             Float64MultiArray, topics.POWER_INTERVAL, qos.latched()
         )
         self._markers = self.create_lifecycle_publisher(MarkerArray, topics.MARKERS, qos.latched())
+        self._terrain, self._ground = None, None
+        if options.terrain_cell_m and self._dem_of is not None:
+            self._terrain = self.create_lifecycle_publisher(
+                MarkerArray, topics.TERRAIN, qos.latched()
+            )
+            self._ground = encode_terrain(
+                self._dem_of(scenario), options.terrain_cell_m, self.now_ns()
+            )
         self._deadline = self.create_timer(3600.0, self._step)
         self._deadline.cancel()
 
@@ -96,6 +111,8 @@ class TopologyNode(GraphNode[TopologyOptions]):
     def activated(self) -> None:
         """Solve what is due."""
         self._since_ns = 0
+        if self._terrain is not None:
+            self._terrain.publish(self._ground)
         self._step()
 
     def _on_trajectory(self, uav: str, message: Any) -> None:

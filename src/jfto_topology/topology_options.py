@@ -25,3 +25,10 @@ class TopologyOptions:
     watch_slots: int = param(
         20, "Slots ahead in which breaches of the certificate are looked for.", low=1, high=10_000
     )
+    terrain_cell_m: float = param(
+        0.0,
+        "Publish the ground as a mesh of cells of this size for RViz and Foxglove; 0: do not.",
+        unit="m",
+        low=0.0,
+        high=10_000.0,
+    )

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeVar
 
 from jfto_dds.wire import names
+from jfto_dds.wire.entities import Reader, Writer
 from jfto_dds.wire.participant import NodeEntry, Participant
 
 from ._node_names import NodeNames
 from ._node_timing import NodeTiming
 from ._qos_settings import to_settings
+from ._service_side import ServiceSide
 from .client import Client
 from .event_handler import (
     PublisherEventCallbacks,
@@ -22,6 +24,8 @@ from .qos import QoSProfile, qos_profile_services_default
 from .service import Service
 from .subscription import Subscription
 from .type_support import check_is_valid_msg_type, check_is_valid_srv_type
+
+_Side = TypeVar("_Side", bound=ServiceSide)
 
 
 class NodeEndpoints(NodeNames, NodeTiming):
@@ -135,36 +139,11 @@ class NodeEndpoints(NodeNames, NodeTiming):
         callback_group: Any = None,
     ) -> Service:
         """Create a service server."""
-        check_is_valid_srv_type(srv_type)
-        self._check_alive("service")
-        service_name = self._resolve(srv_name, is_service=True)
-        group = callback_group or self._default_callback_group
-        service = Service(self, srv_type, srv_name, service_name, callback, group, qos_profile)
-        settings = to_settings(qos_profile, [], writer=True)
-        identity = {"serviceid": self._participant.new_identity()}
-        # The reply writer first: a request must find it.
-        service._writer = self._participant.create_writer(
-            self._entry,
-            names.reply_name(service_name),
-            service._response.full_name,
-            settings,
-            service=True,
-            identity=identity,
-            callbacks={"on_publication_matched": service._on_matched},
-        )
-        service._reader = self._participant.create_reader(
-            self._entry,
-            names.request_name(service_name),
-            service._request.full_name,
-            settings,
-            service._on_data,
-            service=True,
-            identity=identity,
-        )
-        group.add_entity(service)
-        self._services.append(service)
-        self._wake_executor()
-        return service
+
+        def make(service_name: str, group: Any) -> Service:
+            return Service(self, srv_type, srv_name, service_name, callback, group, qos_profile)
+
+        return self._open_side(srv_type, srv_name, callback_group, make, self._services)
 
     def create_client(
         self,
@@ -175,41 +154,57 @@ class NodeEndpoints(NodeNames, NodeTiming):
         callback_group: Any = None,
     ) -> Client:
         """Create a service client."""
+
+        def make(service_name: str, group: Any) -> Client:
+            return Client(self, srv_type, srv_name, service_name, group, qos_profile)
+
+        return self._open_side(srv_type, srv_name, callback_group, make, self._clients)
+
+    def _open_side(
+        self,
+        srv_type: Any,
+        srv_name: str,
+        callback_group: Any,
+        make: Callable[[str, Any], _Side],
+        owned: list[_Side],
+    ) -> _Side:
+        """Make a server or a client, with its reader and writer, which share an id."""
         check_is_valid_srv_type(srv_type)
-        self._check_alive("client")
+        serves = owned is self._services
+        self._check_alive("service" if serves else "client")
         service_name = self._resolve(srv_name, is_service=True)
         group = callback_group or self._default_callback_group
-        client = Client(self, srv_type, srv_name, service_name, group, qos_profile)
-        settings = to_settings(qos_profile, [], writer=True)
-        identity = {"clientid": self._participant.new_identity()}
+        side = make(service_name, group)
+        request = (names.request_name(service_name), side._request.full_name)
+        reply = (names.reply_name(service_name), side._response.full_name)
+        hears, says = (request, reply) if serves else (reply, request)
+        settings = to_settings(side.qos_profile, [], writer=True)
+        identity = {side._ROLE: self._participant.new_identity()}
 
-        def matched(_entity: Any, _status: Any) -> None:
-            self._participant.graph.notify()
+        def open_reader() -> Reader:
+            callbacks = {} if serves else {"on_subscription_matched": side._on_matched}
+            return self._participant.create_reader(
+                self._entry, *hears, settings, side._on_data,
+                service=True, identity=identity, callbacks=callbacks,
+            )  # fmt: skip
 
-        reader = self._participant.create_reader(
-            self._entry,
-            names.reply_name(service_name),
-            client._response.full_name,
-            settings,
-            client._on_data,
-            service=True,
-            identity=identity,
-            callbacks={"on_subscription_matched": matched},
-        )
-        writer = self._participant.create_writer(
-            self._entry,
-            names.request_name(service_name),
-            client._request.full_name,
-            settings,
-            service=True,
-            identity=identity,
-            callbacks={"on_publication_matched": matched},
-        )
-        client._attach(reader, writer)
-        group.add_entity(client)
-        self._clients.append(client)
+        def open_writer() -> Writer:
+            return self._participant.create_writer(
+                self._entry, *says, settings,
+                service=True, identity=identity,
+                callbacks={"on_publication_matched": side._on_matched},
+            )  # fmt: skip
+
+        # What replies go through comes first: a request must find it.
+        if serves:
+            writer, reader = open_writer(), open_reader()
+        else:
+            reader, writer = open_reader(), open_writer()
+        side._attach(reader, writer)
+        group.add_entity(side)
+        owned.append(side)
         self._wake_executor()
-        return client
+        return side
 
     def add_waitable(self, waitable: Any) -> None:
         """Wait for something of the program's own, which is not supported."""

@@ -65,7 +65,8 @@ class NodeGraph:
 
     def get_node_names_and_namespaces_with_enclaves(self) -> list[tuple[str, str, str]]:
         """Names, namespaces and security enclaves of all nodes."""
-        return [(node.name, node.namespace, "/") for node in self._graph("node names").nodes()]
+        graph = self._graph("node names")
+        return [(node.name, node.namespace, graph.enclave_of(node)) for node in graph.nodes()]
 
     def _node_endpoints(
         self, what: str, name: str, namespace: str, *, writers: bool

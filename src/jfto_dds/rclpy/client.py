@@ -8,20 +8,21 @@ from typing import Any
 
 from cyclonedds.core import DDSException
 
-from jfto_dds.messages.decoder import MalformedPayloadError
-from jfto_dds.wire.entities import EntityClosedError, Reader, Writer
+from jfto_dds.wire.entities import EntityClosedError, Reader, Received, Writer
 
 from ._rclpy_pybind11 import DESTROYED_TEXT, RCLError
+from ._service_side import BODY_START, HEADER, ServiceSide, read_header
 from ._wake_up import WakeUp
 from .exceptions import InvalidHandle
-from .service import BODY_START, HEADER, read_header
 from .task import Future
 
 _GUID_MASK = 2**64 - 1
 
 
-class Client:
+class Client(ServiceSide):
     """Calls a service."""
+
+    _ROLE = "clientid"
 
     def __init__(
         self,
@@ -32,27 +33,15 @@ class Client:
         callback_group: Any,
         qos_profile: Any,
     ) -> None:
-        self._node = node
+        super().__init__(node, srv_type, srv_name, service_name, callback_group, qos_profile)
         self.context = node.context
-        self.srv_type = srv_type
-        self.srv_name = srv_name
-        self._service_name = service_name
-        self.callback_group = callback_group
-        self.qos_profile = qos_profile
-        self._request = srv_type.Request._TYPE_SUPPORT
-        self._response = srv_type.Response._TYPE_SUPPORT
-        self._reader: Reader | None = None
-        self._writer: Writer | None = None
         self._guid = 0
         self._sequence = 0
         self._pending_requests: dict[int, Future] = {}
         self._lock = threading.RLock()
-        self._has_data = False
-        self._destroyed = False
-        self._malformed_count = 0
 
     def _attach(self, reader: Reader, writer: Writer) -> None:
-        self._reader, self._writer = reader, writer
+        super()._attach(reader, writer)
         self._guid = writer.instance_handle & _GUID_MASK
 
     def _require(self) -> tuple[Reader, Writer]:
@@ -60,54 +49,20 @@ class Client:
             raise InvalidHandle(DESTROYED_TEXT)
         return self._reader, self._writer
 
-    @property
-    def handle(self) -> Client:
-        """Stands for rcl's client."""
-        return self
-
-    @property
-    def service_name(self) -> str:
-        """The fully qualified name."""
-        self._require()
-        return self._service_name
-
-    def _on_data(self) -> None:
+    def _on_matched(self, _endpoint: Any, _status: Any) -> None:
         # Called in a DDS thread.
-        self._has_data = True
-        self._node._wake_executor()
+        self._node._participant.graph.notify()
 
-    def _is_ready(self) -> bool:
-        return self._has_data
+    def _words(self) -> tuple[str, str]:
+        return "reply", f"of service '{self._service_name}'"
 
-    def _take(self) -> Callable[[], Any] | None:
-        reader = self._reader
-        if reader is None or self._destroyed:
+    def _decode(self, sample: Received) -> Callable[[], Any] | None:
+        guid, sequence = read_header(sample.payload)
+        if guid != self._guid:
+            # Somebody else's answer: all clients of a service see all replies.
             return None
-        while True:
-            self._has_data = False
-            samples = reader.take()
-            if not samples:
-                return None
-            self._has_data = True
-            payload = samples[0].payload
-            try:
-                guid, sequence = read_header(payload)
-                if guid != self._guid:
-                    # Somebody else's answer: all clients of a service see all replies.
-                    continue
-                response = self._response.deserialize(payload, BODY_START)
-            except MalformedPayloadError as error:
-                self._count_malformed(error)
-                continue
-            return lambda: self._complete(sequence, response)
-
-    def _count_malformed(self, error: MalformedPayloadError) -> None:
-        self._malformed_count += 1
-        self._node.get_logger().warning(
-            f"Dropped malformed reply {self._malformed_count} of service "
-            f"'{self._service_name}': {error}",
-            throttle_duration_sec=1.0,
-        )
+        response = self._response.deserialize(sample.payload, BODY_START)
+        return lambda: self._complete(sequence, response)
 
     def _complete(self, sequence: int, response: Any) -> None:
         with self._lock:
@@ -200,23 +155,3 @@ class Client:
         graph = self._node._participant.graph
         graph.wait_until(settled, None if timeout_sec is None else max(0.0, timeout_sec))
         return self.context.ok() and self.service_is_ready()
-
-    def configure_introspection(self, *_args: Any) -> None:
-        """Publish service events, which is not supported."""
-        msg = "jfto_dds does not support service introspection"
-        raise NotImplementedError(msg)
-
-    def destroy(self) -> None:
-        """Leave the service; :meth:`Node.destroy_client` does this."""
-        if not self._destroyed:
-            self._destroyed = True
-            self._has_data = False
-            for endpoint in (self._reader, self._writer):
-                if endpoint is not None:
-                    self._node._remove_endpoint(endpoint)
-
-    def __enter__(self) -> Client:
-        return self
-
-    def __exit__(self, *_exception: object) -> None:
-        self.destroy()

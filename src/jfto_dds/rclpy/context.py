@@ -51,6 +51,12 @@ class Context:
             if self._is_initialised:
                 msg = "Context.init() must only be called once"
                 raise RuntimeError(msg)
+            if network.security_is_wanted():
+                msg = (
+                    "jfto_dds does not support SROS 2 security (ROS_SECURITY_ENABLE=true): it "
+                    "would talk in clear. Unset it, or use a real rclpy"
+                )
+                raise NotImplementedError(msg)
             if domain_id is not None and domain_id < 0:
                 msg = f"Domain id ({domain_id}) should not be lower than zero."
                 raise RuntimeError(msg)
@@ -88,7 +94,7 @@ class Context:
     def _get_participant(self) -> Participant:
         with self._lock:
             if self._participant is None:
-                self._participant = Participant(self._domain_id)
+                self._participant = Participant(self._domain_id, self._arguments.enclave)
             return self._participant
 
     def _invalidate(self) -> bool:

@@ -62,7 +62,8 @@ class Graph:
         self._version = 0
         self._endpoints: dict[bytes, GraphEndpoint] = {}
         self._nodes: dict[bytes, list[GraphNode]] = {}
-        self._participants: set[bytes] = set()
+        # Enclaves by gid.
+        self._participants: dict[bytes, str] = {}
         self._listeners: list[Callable[[], None]] = []
         listener = {"on_data_available": lambda _reader: self.notify()}
         with QOS_LOCK:
@@ -137,20 +138,20 @@ class Graph:
                 for node in info.node_entities_info_seq
             ]
         # The last words of a participant may be read after its end.
-        for gid in self._nodes.keys() - self._participants:
+        for gid in self._nodes.keys() - self._participants.keys():
             del self._nodes[gid]
 
     def _apply(self, kind: str, sample: Any) -> None:
         alive = sample.sample_info.instance_state == InstanceState.Alive
         gid = sample.key.bytes
-        if kind == "participant":
-            (self._participants.add if alive else self._participants.discard)(gid)
-            return
         if not alive:
-            self._endpoints.pop(gid, None)
+            (self._participants if kind == "participant" else self._endpoints).pop(gid, None)
             return
         policy = sample.qos[Policy.Userdata]
         user_data = parse_user_data(policy.data) if policy is not None else {}
+        if kind == "participant":
+            self._participants[gid] = user_data.get("enclave", "")
+            return
         self._endpoints[gid] = GraphEndpoint(
             gid,
             sample.topic_name,
@@ -166,6 +167,11 @@ class Graph:
         with self._lock:
             self._update()
             return [node for nodes in self._nodes.values() for node in nodes]
+
+    def enclave_of(self, node: GraphNode) -> str:
+        """The security enclave that a node's participant names, "" where it names none."""
+        with self._lock:
+            return self._participants.get(node.participant_gid, "")
 
     def endpoints(self) -> list[GraphEndpoint]:
         """All readers and writers."""

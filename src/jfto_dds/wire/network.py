@@ -31,6 +31,11 @@ def domain_id(environment: Mapping[str, str] = os.environ) -> int:
     return int(text)
 
 
+def security_is_wanted(environment: Mapping[str, str] = os.environ) -> bool:
+    """Whether ``ROS_SECURITY_ENABLE`` asks for encryption; only ``true`` does, as in rcl."""
+    return environment.get("ROS_SECURITY_ENABLE", "") == "true"
+
+
 def static_peers(environment: Mapping[str, str] = os.environ) -> list[str]:
     """Read ``ROS_STATIC_PEERS``, addresses separated by semicolons."""
     listed = environment.get("ROS_STATIC_PEERS", "").split(";")

@@ -62,7 +62,7 @@ class NodeEntry:
 class Participant:
     """Creates endpoints and announces which node they belong to."""
 
-    def __init__(self, domain_id: int) -> None:
+    def __init__(self, domain_id: int, enclave: str = "/") -> None:
         self.domain_id = domain_id
         self._lock = threading.RLock()
         self._endpoints: list[Reader | Writer] = []
@@ -75,7 +75,8 @@ class Participant:
         self._discovery: Reader | None = None
         _open_domain(domain_id)
         with QOS_LOCK:
-            self._entity = DomainParticipant(domain_id, Qos(Policy.Userdata(user_data.PARTICIPANT)))
+            said = Policy.Userdata(user_data.participant_user_data(enclave))
+            self._entity = DomainParticipant(domain_id, Qos(said))
         self.gid: bytes = self._entity.guid.bytes
         self._info = message_class(_DISCOVERY_TYPE)
         support = self._info._TYPE_SUPPORT

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-PARTICIPANT = b"enclave=/;"
+
+def participant_user_data(enclave: str) -> bytes:
+    """Build a participant's text, which names its security enclave."""
+    return f"enclave={enclave};".encode()
 
 
 def endpoint_user_data(type_hash: str, **identity: str) -> bytes:

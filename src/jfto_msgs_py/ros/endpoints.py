@@ -145,6 +145,14 @@ TOPICS = (
         "paths, links (colour and width say the margin), UAVs",
     ),
     Topic(
+        topics.TERRAIN,
+        "visualization_msgs/msg/MarkerArray",
+        qos.latched,
+        (_TOPOLOGY,),
+        ("any",),
+        "the ground as a mesh, where `terrain_cell_m` asks for it",
+    ),
+    Topic(
         topics.DIAGNOSTICS,
         "diagnostic_msgs/msg/DiagnosticArray",
         qos.default,
