@@ -23,8 +23,10 @@ from jfto_msgs_py.vehicle import VehiclePose
 
 Options = TypeVar("Options")
 _DIAGNOSTICS_PERIOD_S = 1.0
-# By how much the clocks of two computers may differ, or simulated time lag behind.
+# By how much the clocks of two computers may differ.
 _AHEAD_S = 1.0
+# Simulated time comes in ticks, which a busy node may read after the poses that they belong to.
+_AHEAD_SIMULATED_S = 10.0
 
 
 class GraphNode(LifecycleNode, Generic[Options]):
@@ -104,7 +106,8 @@ class GraphNode(LifecycleNode, Generic[Options]):
         if pose is None or now_ns == 0:
             return pose
         ahead_s = (pose.stamp_ns - now_ns) / 1e9
-        if ahead_s > _AHEAD_S:
+        simulated = self.get_clock().ros_time_is_active
+        if ahead_s > (_AHEAD_SIMULATED_S if simulated else _AHEAD_S):
             error = MessageError("header.stamp", f"is {ahead_s:.1f} s ahead of this clock")
             self.intake.refuse(topics.pose(uav), error)
             return None
