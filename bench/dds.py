@@ -159,6 +159,8 @@ def cycles(count: int) -> None:
                 sys.exit(f"cycle {number} hung")
             if status:
                 sys.exit(f"cycle {number} ended with status {status}")
+        if (number + 1) % 100 == 0:
+            print(f"{number + 1} cycles, load {os.getloadavg()[0]:.1f}", flush=True)
     print(f"{count} cycles without a hang, {(time.monotonic() - begin) / count:.2f} s each")
 
 
