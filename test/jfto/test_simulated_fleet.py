@@ -138,3 +138,23 @@ def test_errors_of_the_scenario_reach_the_vehicles() -> None:
     assert late[:3] == hesitations_s(3, SimulationPart(time_error_s=3.0, seed=4))
     configs = vehicle_configs({"uav1": (47.0, 8.0, 400.0)}, {}, 10**18, hesitations_s=[2.5])
     assert configs[0].hesitation_s == 2.5
+
+
+def test_a_node_that_is_cleaned_up_has_no_vehicles_and_no_clock(tmp_path) -> None:
+    """Deactivated it is silent; activated again, the clock goes on and never back."""
+    with Graph() as graph:
+        node = graph.add(
+            SimulatedFleetNode, None, plan_file=str(tmp_path / "none.json"),
+            endpoint=f"udpto:127.0.0.1:{free_udp_port()}",
+        )  # fmt: skip
+        ticks = graph.collect(Clock, topics.CLOCK, qos.clock())
+        graph.until(lambda: len(ticks) > 3)
+        node.trigger_deactivate()
+        node.trigger_cleanup()
+        graph.until(lambda: graph.observer.count_publishers(topics.CLOCK) == 1)
+        before_ns = decode_time(ticks[-1].clock)
+        ticks.clear()
+        node.trigger_configure()
+        node.trigger_activate()
+        graph.until(lambda: ticks)
+    assert decode_time(ticks[0].clock) >= before_ns

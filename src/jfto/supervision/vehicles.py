@@ -61,7 +61,7 @@ def choose_vehicles(
         _check_simulated(texts, uavs)
         if key_file is not None:
             raise RosterError(201, "simulated vehicles start without a key; leave --key out.")
-        return _simulated(speedup)
+        return _simulated(speedup, options)
     if speedup != 1.0:
         raise RosterError(201, "--speedup is for simulated vehicles (sim); real ones keep time.")
     bridge: dict[str, object]
@@ -82,7 +82,12 @@ def choose_vehicles(
     asked = BridgeOptions(**bridge)  # type: ignore[arg-type]
     if simulated_count(asked) is None:
         read_roster(asked, uavs)
-    return Vehicles(simulated=False, given={"mavlink_bridge": bridge})
+    return Vehicles(simulated=False, given={"mavlink_bridge": bridge}, suited=_lift_off(options))
+
+
+def _lift_off(options: Mapping[str, object]) -> Parameters:
+    """Missions begin when the fleet does; streamed trajectories are flown by the clock."""
+    return {} if options.get("guided") else {"planner_node": {"await_lift_off": True}}
 
 
 def _check_simulated(texts: Sequence[str], uavs: Sequence[str]) -> None:
@@ -94,7 +99,7 @@ def _check_simulated(texts: Sequence[str], uavs: Sequence[str]) -> None:
         )  # fmt: skip
 
 
-def _simulated(speedup: float) -> Vehicles:
+def _simulated(speedup: float, options: Mapping[str, object]) -> Vehicles:
     """A process of simulated vehicles and the bridge to it, on a port that is free now."""
     port, control = free_udp_port(), free_udp_port()
     # A busy computer stalls a process for seconds of sped-up time.
@@ -117,6 +122,7 @@ def _simulated(speedup: float) -> Vehicles:
             },
         },
         suited={
+            **_lift_off(options),
             "mavlink_bridge": {"telemetry_rate_hz": min(10.0, max(4.0, 20.0 / speedup))},
             "topology_node": {"stale_after_s": 3.0 * patience, "pose_wait_s": 0.2 * patience},
         },

@@ -22,6 +22,7 @@ def test_simulated_vehicles_and_their_bridge_share_link_speed_and_time(tmp_path)
     assert "roster" not in merged["mavlink_bridge"]
     assert merged["mavlink_bridge"]["telemetry_rate_hz"] == 2.0
     assert merged["topology_node"]["stale_after_s"] == 6.0
+    assert merged["planner_node"] == {"await_lift_off": True}
     options = GraphOptions(
         tmp_path / "s.yaml", tmp_path, tmp_path / "plan.json",
         bridge=True, simulate=True, record=True, parameters=merged,
@@ -77,3 +78,9 @@ def test_others_are_refused_in_words(texts, options, words) -> None:
     """Before anything is started."""
     with pytest.raises(JftoError, match=words):
         choose_vehicles(texts, UAVS, {}, **options)
+
+
+def test_streamed_trajectories_do_not_wait_for_a_lift_off() -> None:
+    """Their lift-off is the stamp that the planner gives them."""
+    assert "planner_node" not in choose_vehicles(["sim"], UAVS, {"guided": True}).suited
+    assert choose_vehicles(["udpin:0.0.0.0:1"], UAVS, {}).suited["planner_node"]
