@@ -87,14 +87,17 @@ def slot_starts(flight: RecordedFlight, plan: Plan, end_s: float) -> Array:
     The fleet shifts its slots where it runs late. One entry per slot and one for the end; at
     least the plan's, more where the fleet was not done by then.
     """
-    duration = plan.slots.duration_s
-    count = plan.slots.count
-    starts = np.arange(count + 1) * duration
+    duration, count = plan.slots.duration_s, plan.slots.count
+    begun = {0: 0.0}
     for adjacency in flight.adjacency:
         first, begin_s = adjacency.horizon.first, flight.seconds(adjacency.horizon.t0_ns)
-        # What was published before lift-off was on a start that was only foreseen.
+        # What was published before lift-off was on a start that was only foreseen; a slot that is
+        # repeated, as the last one on the way home, goes on.
         if 0 < first <= count and begin_s > 0:
-            starts[first:] = begin_s + np.arange(count + 1 - first) * duration
+            begun.setdefault(first, begin_s)
+    known = np.array(sorted(begun))
+    starts = np.interp(np.arange(count + 1), known, [begun[slot] for slot in known.tolist()])
+    starts += np.maximum(np.arange(count + 1) - known[-1], 0) * duration
     # A slot that was skipped keeps its number and next to no length.
     least = np.arange(count + 1) * _LEAST_SLOT_S
     starts = np.asarray(np.maximum.accumulate(starts - least) + least)

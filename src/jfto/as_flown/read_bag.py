@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rosbags.typesys import Stores, get_typestore
 
+from jfto.as_flown.lift_off import seen_lift_off_ns
 from jfto.as_flown.record import (
     READ_BACK,
     SETPOINT,
@@ -45,6 +46,8 @@ _AIR = {
     topics.AIR_RATE: ("rate", 2),
     topics.AIR_DELIVERY: ("delivery", 2),
 }
+# A start that was foreseen is not believed where the vehicles climbed at another time.
+_APART_NS = 2 * 10**9
 _INDEX = re.compile(r"\[\d+\]")
 
 
@@ -55,7 +58,7 @@ def read_flight(paths: Sequence[Path], plan: Plan) -> RecordedFlight:
     is missing. Raises BagError where none of them is a bag, InputError where nothing tells when
     the flight began.
     """
-    reading = _Reading(tuple(uav.id for uav in plan.uavs))
+    reading = _Reading(plan)
     broken: list[BagError] = []
     complete = len(paths) == 1
     for path in paths:
@@ -75,8 +78,9 @@ def read_flight(paths: Sequence[Path], plan: Plan) -> RecordedFlight:
 class _Reading:
     """Messages of a bag by what they are for."""
 
-    def __init__(self, uav_ids: tuple[str, ...]) -> None:
-        self.uav_ids = uav_ids
+    def __init__(self, plan: Plan) -> None:
+        self.plan = plan
+        self.uav_ids = tuple(uav.id for uav in plan.uavs)
         self._types = get_typestore(Stores.ROS2_JAZZY)
         self._malformed: Counter[str] = Counter()
         self._poses: dict[str, list[tuple[int, tuple[float, float, float]]]] = defaultdict(list)
@@ -173,8 +177,12 @@ class _Reading:
     def _lift_off(self, path: Path) -> tuple[int, str]:
         if self._lift_offs:
             return self._lift_offs[-1], "as the vehicles' bridge announced it"
-        if self._starts:
-            return max(self._starts), "as planned: the bag has no lift-off of the vehicles"
+        planned_ns = max(self._starts, default=None)
+        seen_ns = seen_lift_off_ns(self._poses, self.plan)
+        if seen_ns is not None and (planned_ns is None or abs(seen_ns - planned_ns) > _APART_NS):
+            return seen_ns, "as seen from the vehicles' climb: nobody announced it"
+        if planned_ns is not None:
+            return planned_ns, "as planned: the bag has no lift-off of the vehicles"
         raise InputError(
             f"{path}: holds nothing on {topics.LIFT_OFF} and no trajectory, so nothing tells when "
             "the flight began. Record with jfto run, or bag record --all from before the start."

@@ -215,18 +215,23 @@ def test_energy_beyond_the_budget_is_an_exception(desk: Desk) -> None:
 
 
 def test_slots_begin_when_they_were_published_to(desk: Desk) -> None:
-    """Slot 4 published to begin 3 s late shifts it and all after it, not those before."""
+    """Slot 4 begins 3 s late, which shifts all after it; the last one, repeated, began once."""
     from dataclasses import replace
 
     step = desk.plan.slots.duration_s
-    begin_ns = START_NS + round((4 * step + 3.0) * 1e9)
     ids = tuple(uav.id for uav in desk.plan.uavs)
     links = np.zeros((1, 4, 4), dtype=np.bool_)
-    published = Adjacency(SlotHorizon(4, begin_ns, step, 1), ids, links)
-    flight = replace(desk.flight(), adjacency=(published,))
+
+    def published(first: int, begin_s: float) -> Adjacency:
+        horizon = SlotHorizon(first, START_NS + round(begin_s * 1e9), step, 1)
+        return Adjacency(horizon, ids, links)
+
+    said = (published(2, 2 * step), published(4, 4 * step + 3.0), published(10, 10 * step + 3.0))
+    repeated = published(10, 12 * step)
+    flight = replace(desk.flight(), adjacency=(*said, repeated))
     starts = slot_starts(flight, desk.plan, desk.plan.slots.horizon_s)
     late = starts - np.arange(len(starts)) * step
-    assert late == pytest.approx([0.0] * 4 + [3.0] * 7, abs=1e-6)
+    assert late == pytest.approx([0.0, 0.0, 0.0, 1.5] + [3.0] * 7, abs=1e-6)
 
 
 def test_a_fleet_that_is_late_flies_more_slots(desk: Desk) -> None:

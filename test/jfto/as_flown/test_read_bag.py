@@ -193,7 +193,17 @@ def test_no_bag_and_no_beginning_are_refused(plan: Plan, tmp_path: Path) -> None
     with pytest.raises(BagError, match="does not exist"):
         read_flight([tmp_path / "nope"], plan)
     bag = FlightBag(tmp_path / "bag")
-    bag.poses({"uav1": tracks_of(plan)["uav1"]})
+    bag.event(Event(START_NS, WARN, "power_node", "energy", "uav2", "runs short"))
     bag.close()
     with pytest.raises(InputError, match="nothing tells when the flight began"):
         read_flight([tmp_path / "bag"], plan)
+
+
+def test_lift_off_that_nobody_announced_is_seen(plan: Plan, tmp_path: Path) -> None:
+    """Without the bridge's word the climb tells, to a quarter of a second, as poses come."""
+    bag = FlightBag(tmp_path / "bag")
+    bag.poses(tracks_of(plan))
+    bag.close()
+    flight = read_flight([tmp_path / "bag"], plan)
+    assert abs(flight.lift_off_ns - START_NS) <= 0.25e9
+    assert "climb" in flight.lift_off_source
