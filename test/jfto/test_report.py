@@ -3,36 +3,10 @@
 from __future__ import annotations
 
 import re
-from html.parser import HTMLParser
 from pathlib import Path
 
 from jfto.pipeline import Run
-
-# Elements that HTML never closes.
-_VOID = {"meta", "img", "input", "br"}
-
-
-class _Checker(HTMLParser):
-    """Counts elements that are left open or closed out of turn, and references to elsewhere."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.open: list[str] = []
-        self.amiss: list[str] = []
-        self.outside: list[str] = []
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.outside += [
-            value
-            for name, value in attrs
-            if name in {"src", "href"} and value and not value.startswith(("data:", "#"))
-        ]
-        if tag not in _VOID:
-            self.open.append(tag)
-
-    def handle_endtag(self, tag: str) -> None:
-        if not self.open or self.open.pop() != tag:
-            self.amiss.append(tag)
+from support.html import HtmlChecker
 
 
 def _page(tiny_run: tuple[Path, Run]) -> str:
@@ -43,7 +17,7 @@ def test_the_report_is_one_well_formed_file_that_loads_nothing(
     tiny_run: tuple[Path, Run],
 ) -> None:
     """Every element is closed in turn and nothing is fetched from elsewhere."""
-    checker = _Checker()
+    checker = HtmlChecker()
     checker.feed(_page(tiny_run))
     assert checker.amiss == []
     assert checker.open == []

@@ -19,6 +19,7 @@ from jfto.figures.style import save
 from jfto.progress import Watcher
 from jfto.scenario_file import LoadedScenario
 from jfto.supervision.graph import BAG_NAME
+from jfto_msgs_py.errors import JftoError
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.write_file import write_file
 from jfto_world.terrain import Dem
@@ -43,26 +44,19 @@ def fly_again(
     dem: Dem,
     watcher: Watcher,
 ) -> FlightFacts | None:
-    """Facts of the flight on record, which are also written to flight.json; None without a bag.
+    """Facts of the flight on record, which are also written to flight.json.
 
-    Raises BagError or InputError where the record holds no flight of the plan.
+    None without a bag, and where the bag holds no flight, as after a dry run; that is told.
     """
     bags = flight_bags(directory)
     if not bags:
         return None
     watcher.begin(_STAGE, "reading the bag")
-    flight = read_flight(bags, plan)
-    watcher.advance(0.6, "holding it against the plan")
-    guided = loaded.scenario.trajectory.mode == "guided"
-    facts = facts_of(
-        flight,
-        plan,
-        comparison.ours,
-        dem,
-        n_dc=loaded.scenario.evaluation.n_dc,
-        # Legs of the autopilot are kept clear of the ground at upload, by no set height.
-        clearance_m=loaded.scenario.trajectory.clearance_m if guided else 0.0,
-    )
+    try:
+        facts = _facts(bags, loaded, plan, comparison, dem, watcher)
+    except JftoError as error:
+        watcher.end(_STAGE, "nothing", str(error), good=False)
+        return None
     text = json.dumps(flight_facts_object(facts), indent=1) + "\n"
     write_file(directory / FLIGHT_NAME, text)
     watcher.end(
@@ -74,6 +68,28 @@ def fly_again(
         good=facts.good,
     )
     return facts
+
+
+def _facts(
+    bags: list[Path],
+    loaded: LoadedScenario,
+    plan: Plan,
+    comparison: Comparison,
+    dem: Dem,
+    watcher: Watcher,
+) -> FlightFacts:
+    flight = read_flight(bags, plan)
+    watcher.advance(0.6, "holding it against the plan")
+    guided = loaded.scenario.trajectory.mode == "guided"
+    return facts_of(
+        flight,
+        plan,
+        comparison.ours,
+        dem,
+        n_dc=loaded.scenario.evaluation.n_dc,
+        # Legs of the autopilot are kept clear of the ground at upload, by no set height.
+        clearance_m=loaded.scenario.trajectory.clearance_m if guided else 0.0,
+    )
 
 
 def draw_flight(facts: FlightFacts, dem: Dem, folder: Path) -> None:
