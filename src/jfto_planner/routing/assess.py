@@ -138,7 +138,8 @@ def _faults(problem: RoutingProblem, positions: Array) -> tuple[Flags, Flags, ND
 
 def is_connected(linked: Flags) -> Flags:
     """Whether each graph of (T, A, A) has one component, by doubling the reachable hops."""
-    walk: Flags = linked | np.eye(linked.shape[-1], dtype=bool)
+    walk = (linked | np.eye(linked.shape[-1], dtype=bool)).astype(np.float32)
     for _ in range(int(np.ceil(np.log2(max(linked.shape[-1], 2))))):
-        walk = np.einsum("tab,tbc->tac", walk.astype(np.float32), walk.astype(np.float32)) > 0
-    return np.asarray(walk.all(axis=(1, 2)))
+        # Clipped, so that the number of walks cannot overflow.
+        walk = np.minimum(walk @ walk, 1.0)
+    return np.asarray((walk > 0).all(axis=(1, 2)))
