@@ -5,23 +5,51 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
 import torch
 from torch import Tensor, nn
 
-from jfto_planner.policy.environment import STATE_FEATURES, Episode, Observation
+from jfto_planner.policy.environment import Observation
+from jfto_planner.policy.features import PAIR_FEATURES, STATE_FEATURES
+from jfto_planner.policy.instance import InstanceBatch
+from jfto_planner.policy.kernel.decode import Known
 
-PAIR_FEATURES = 4
+PAIR_WIDTH = 32
 
 
 @dataclass(frozen=True)
 class Keys:
-    """What stays the same over all steps of a batch: projections of the node embeddings."""
+    """What stays the same over all steps of a batch: projections of the node embeddings.
 
-    nodes: Tensor  # (B, S + W, D)
+    `node_part` (B, S + W, 4, D) is what each node adds to the context as taken waypoint, as
+    waypoint left, as the active UAV's place and as another UAV's.
+    """
+
     graph: Tensor  # (B, 1, D)
-    glimpse_key: Tensor  # (B, H, W, D / H)
-    glimpse_value: Tensor  # (B, H, W, D / H)
+    node_part: Tensor
+    glimpse_key: Tensor  # (B, W, D)
+    glimpse_value: Tensor  # (B, W, D)
     pointer_key: Tensor  # (B, W, D)
+    pair_key: Tensor  # (B, W, PAIR_WIDTH)
+    stop_key: Tensor  # (B, S + W, D)
+    waypoint_valid: Tensor  # (B, W)
+    uav_valid: Tensor  # (B, A)
+
+    def known(self) -> Known:
+        """The same as arrays for the compiled decoder."""
+
+        def array(tensor: Tensor) -> np.ndarray:
+            return tensor.detach().float().contiguous().numpy()
+
+        return Known(
+            graph=array(self.graph[:, 0]),
+            node_part=array(self.node_part),
+            glimpse_key=array(self.glimpse_key.transpose(1, 2)),
+            glimpse_value=array(self.glimpse_value),
+            pointer_key=array(self.pointer_key.transpose(1, 2)),
+            pair_key=array(self.pair_key),
+            stop_key=array(self.stop_key),
+        )
 
 
 class Decoder(nn.Module):
@@ -39,78 +67,94 @@ class Decoder(nn.Module):
         self.heads = heads
         self.clip = clip
         self.graph = nn.Linear(width, width, bias=False)
-        self.context = nn.Sequential(
-            nn.Linear(4 * width + STATE_FEATURES, width), nn.ReLU(), nn.Linear(width, width)
-        )
+        self.node_part = nn.Linear(width, 4 * width, bias=False)
+        self.state = nn.Linear(STATE_FEATURES, width)
+        self.context = nn.Linear(width, width)
         self.projection = nn.Linear(width, 3 * width, bias=False)
         self.glimpse_output = nn.Linear(width, width, bias=False)
         self.query = nn.Linear(width, width, bias=False)
         self.stop_key = nn.Linear(width, width)
         # Stopping early leaves everything to the rest, so an untrained policy should rarely do it.
         self.stop_bias = nn.Parameter(torch.tensor(-0.4))
-        self.pair = nn.Sequential(nn.Linear(PAIR_FEATURES, 16), nn.ReLU(), nn.Linear(16, 1))
+        self.pair_input = nn.Linear(PAIR_FEATURES, PAIR_WIDTH)
+        self.pair_key = nn.Linear(width, PAIR_WIDTH, bias=False)
+        self.pair_query = nn.Linear(width, PAIR_WIDTH, bias=False)
+        self.pair_output = nn.Linear(PAIR_WIDTH, 1, bias=False)
 
-    def prepare(self, nodes: Tensor, graph: Tensor, starts: int) -> Keys:
+    def prepare(self, nodes: Tensor, graph: Tensor, batch: InstanceBatch) -> Keys:
         """Projections of a batch's node embeddings, computed once for all steps and rollouts."""
-        waypoints = nodes[:, starts:]
-        batch, count, width = waypoints.shape
+        waypoints = nodes[:, batch.starts.shape[1] :]
         key, value, pointer = self.projection(waypoints).chunk(3, dim=-1)
+        return Keys(
+            graph=self.graph(graph)[:, None],
+            node_part=self.node_part(nodes).unflatten(-1, (4, -1)),
+            glimpse_key=key,
+            glimpse_value=value,
+            pointer_key=pointer,
+            pair_key=self.pair_key(waypoints),
+            stop_key=self.stop_key(nodes),
+            waypoint_valid=batch.waypoint_valid,
+            uav_valid=batch.uav_valid,
+        )
 
-        def heads(tensor: Tensor) -> Tensor:
-            return tensor.view(batch, count, self.heads, width // self.heads).transpose(1, 2)
-
-        return Keys(nodes, self.graph(graph)[:, None], heads(key), heads(value), pointer)
-
-    def forward(self, keys: Keys, episode: Episode, seen: Observation) -> Tensor:
+    def forward(self, keys: Keys, seen: Observation) -> Tensor:
         """Log probabilities (B, P, W + 1) of the choices; the last is to stop."""
-        context = self._context(keys, episode, seen)
-        glimpse = self._glimpse(keys, context, episode)
+        own = seen.node.gather(-1, seen.active[..., None])
+        context = self._context(keys, seen, own)
+        glimpse = self._glimpse(keys, context, seen.visited)
         query = self.query(glimpse)
         scale = 1 / math.sqrt(query.shape[-1])
         waypoint = query @ keys.pointer_key.transpose(1, 2) * scale
-        waypoint = waypoint + self.pair(seen.pair).squeeze(-1)
-        own = _node_of(keys.nodes, seen.node, seen.active)
-        stop = (query * self.stop_key(own)).sum(-1, keepdim=True) * scale + self.stop_bias
-        logits = self.clip * torch.tanh(torch.cat([waypoint, stop], dim=-1))
-        logits = logits.masked_fill(~seen.allowed, -torch.inf)
-        return torch.log_softmax(logits.float(), dim=-1)
+        waypoint = waypoint + self._pair(keys, glimpse, seen.pair)
+        stop = (query * _rows(keys.stop_key, own)).sum(-1, keepdim=True) * scale + self.stop_bias
+        logits = self.clip * torch.tanh(torch.cat([waypoint, stop], dim=-1).float())
+        return torch.log_softmax(logits.masked_fill(~seen.allowed, -torch.inf), dim=-1)
 
-    def _context(self, keys: Keys, episode: Episode, seen: Observation) -> Tensor:
+    def _context(self, keys: Keys, seen: Observation, own: Tensor) -> Tensor:
         """h_c (B, P, D)."""
-        starts = keys.nodes.shape[1] - episode.visited.shape[-1]
-        waypoints = keys.nodes[:, starts:]
-        real = episode.batch.waypoint_valid[:, None]
-        left = _mean(waypoints, (~episode.visited).to(waypoints.dtype))
-        taken = _mean(waypoints, (episode.visited & real).to(waypoints.dtype))
-        own = _node_of(keys.nodes, seen.node, seen.active)
-        fleet = torch.zeros(
-            *seen.node.shape[:2], keys.nodes.shape[1], dtype=keys.nodes.dtype, device=own.device
-        )
-        uavs = episode.batch.uav_valid[:, None].expand_as(seen.node).to(fleet.dtype)
+        kind = keys.node_part.dtype
+        starts = keys.node_part.shape[1] - seen.visited.shape[-1]
+        taken, left, here, others = keys.node_part.unbind(2)
+        real = keys.waypoint_valid[:, None]
+        fleet = torch.zeros(*own.shape[:2], taken.shape[1], dtype=kind, device=own.device)
+        uavs = keys.uav_valid[:, None].expand_as(seen.node).to(kind)
         fleet = fleet.scatter_add(-1, seen.node, uavs)
-        others = _mean(keys.nodes, fleet)
-        parts = torch.cat([taken, left, own, others, seen.state.to(own.dtype)], dim=-1)
-        return keys.graph + self.context(parts)
-
-    def _glimpse(self, keys: Keys, context: Tensor, episode: Episode) -> Tensor:
-        """Multi-head attention of the context over unvisited waypoints, (B, P, D)."""
-        batch, rollouts, width = context.shape
-        query = context.view(batch, rollouts, self.heads, -1).transpose(1, 2)
-        mask = ~episode.visited
-        # With nothing left to visit, attend to everything rather than divide by zero.
-        mask = (mask | ~mask.any(-1, keepdim=True))[:, None]
-        mixed = nn.functional.scaled_dot_product_attention(
-            query, keys.glimpse_key, keys.glimpse_value, attn_mask=mask
+        inner = (
+            _mean(taken[:, starts:], (seen.visited & real).to(kind))
+            + _mean(left[:, starts:], (~seen.visited).to(kind))
+            + _rows(here, own)
+            + _mean(others, fleet)
+            + self.state(seen.state)
         )
-        return context + self.glimpse_output(mixed.transpose(1, 2).reshape(batch, rollouts, width))
+        return keys.graph + self.context(torch.relu(inner))
+
+    def _pair(self, keys: Keys, glimpse: Tensor, pair: Tensor) -> Tensor:
+        """Additive attention (B, P, W) over what relates the UAV to each waypoint."""
+        hidden = self.pair_input(pair)
+        hidden = hidden + self.pair_query(glimpse)[:, :, None] + keys.pair_key[:, None]
+        return self.pair_output(torch.relu(hidden)).squeeze(-1)
+
+    def _glimpse(self, keys: Keys, context: Tensor, visited: Tensor) -> Tensor:
+        """Multi-head attention of the context over unvisited waypoints, (B, P, D)."""
+        # With nothing left to visit, attend to everything rather than divide by zero.
+        mask = visited & ~visited.all(-1, keepdim=True)
+
+        def heads(tensor: Tensor) -> Tensor:
+            return tensor.unflatten(-1, (self.heads, -1)).transpose(1, 2)
+
+        query, key = heads(context), heads(keys.glimpse_key)
+        # Spelt out, since torch's fused attention is slower on CPUs at 16 numbers per head.
+        score = query @ key.transpose(-1, -2) / math.sqrt(key.shape[-1])
+        weight = score.masked_fill(mask[:, None], -torch.inf).softmax(-1)
+        mixed = weight @ heads(keys.glimpse_value)
+        return context + self.glimpse_output(mixed.transpose(1, 2).flatten(2))
 
 
 def _mean(nodes: Tensor, weights: Tensor) -> Tensor:
     """Weighted mean of node embeddings (B, M, D) with weights (B, P, M)."""
-    return weights @ nodes / weights.sum(-1, keepdim=True).clamp(min=1)
+    return (weights / weights.sum(-1, keepdim=True).clamp(min=1)) @ nodes
 
 
-def _node_of(nodes: Tensor, node: Tensor, active: Tensor) -> Tensor:
-    """Embedding (B, P, D) of the node that the active UAV is at."""
-    index = node.gather(-1, active[..., None])
+def _rows(nodes: Tensor, index: Tensor) -> Tensor:
+    """Embeddings (B, P, D) of the nodes at (B, P, 1)."""
     return nodes.gather(1, index.expand(-1, -1, nodes.shape[-1]))

@@ -7,16 +7,14 @@ checked for everyone.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import torch
 from torch import Tensor
 
+from jfto_planner.policy.describe import describe_pairs, describe_state
+from jfto_planner.policy.features import CHECKED_FRACTIONS
 from jfto_planner.policy.instance import InstanceBatch
-
-# Where, within the time that a choice decides for the whole fleet, the neighbour rule is checked.
-CHECKED_FRACTIONS = (0.5, 1.0)
-STATE_FEATURES = 9
 
 
 @dataclass(frozen=True)
@@ -24,18 +22,33 @@ class Observation:
     """What a choice can be based on; B problems × P rollouts.
 
     `active` (B, P) is the UAV that chooses. `allowed` (B, P, W + 1) marks its choices, the last
-    being to stop, and `keeps_rule` those that leave every UAV its K_min neighbours. `node`
-    (B, P, A) is the node each UAV flies to (starts first, then waypoints). `state`
-    (B, P, STATE_FEATURES) holds the paper's T and K, `pair` (B, P, W, 4) what relates the UAV to
-    each waypoint.
+    being to stop, and `keeps_rule` those that leave every UAV its K_min neighbours. `visited`
+    (B, P, W) marks waypoints that are taken, or padding. `node` (B, P, A) is the node each UAV
+    flies to (starts first, then waypoints). `state` (B, P, STATE_FEATURES) holds the paper's T and
+    K, `pair` (B, P, W, PAIR_FEATURES) what relates the UAV to each waypoint.
     """
 
     active: Tensor
     allowed: Tensor
     keeps_rule: Tensor
+    visited: Tensor
     node: Tensor
     state: Tensor
     pair: Tensor
+
+    def to(self, device: torch.device | str) -> Observation:
+        """The same on a device."""
+        moved = {item.name: getattr(self, item.name).to(device) for item in fields(self)}
+        return Observation(**moved)
+
+    @staticmethod
+    def of_steps(steps: list[Observation]) -> Observation:
+        """Observations of T steps as those of P × T rollouts, the steps of one side by side."""
+        columns = {
+            item.name: torch.stack([getattr(step, item.name) for step in steps], 2).flatten(1, 2)
+            for item in fields(Observation)
+        }
+        return Observation(**columns)
 
 
 class Episode:
@@ -84,9 +97,9 @@ class Episode:
         allowed = self._allowed(active, now, duration, others_free, keeps_rule)
         self._leg = {"active": active, "now": now, "duration": duration, "distance": distance}
         self._leg["keeps_rule"] = keeps_rule
-        state = self._state_features(active, now, others_free, degree)
-        pair = self._pair_features(active, now, duration, distance)
-        return Observation(active, allowed, keeps_rule, self.node, state, pair)
+        pair, drawn = describe_pairs(self, active, now, duration, distance)
+        state = describe_state(self, active, now, others_free, degree, drawn)
+        return Observation(active, allowed, keeps_rule, self.visited, self.node, state, pair)
 
     def step(self, choice: Tensor) -> None:
         """Carry out one choice (B, P) of the last observation: a waypoint, or W to stop."""
@@ -210,50 +223,6 @@ class Episode:
         poor = torch.cat([free, may_stop], dim=-1)
         allowed = torch.where(fair.any(-1, keepdim=True), fair, poor)
         return torch.where(good.any(-1, keepdim=True), good, allowed)
-
-    def _state_features(
-        self, active: Tensor, now: Tensor, others_free: Tensor, degree: Tensor
-    ) -> Tensor:
-        """T and K of the active UAV and of the fleet, (B, P, STATE_FEATURES)."""
-        batch = self.batch
-        t_max = batch.t_max[:, None].expand_as(self.arrive)
-        own_t_max = t_max.gather(-1, active[..., None]).squeeze(-1)
-        left = (~self.visited).sum(-1).float()
-        total = batch.waypoint_valid.sum(-1)[:, None].float()
-        flying = (~self.done).sum(-1).float()
-        uavs = batch.uav_valid.sum(-1)[:, None].float()
-        capacity = torch.where(self.done, 0.0, (t_max - self.arrive).clamp(min=0)).sum(-1)
-        need = batch.k_min[:, None].float().clamp(min=1)
-        own_degree = degree.gather(-1, active[..., None]).squeeze(-1)
-        least = torch.where(batch.uav_valid[:, None], degree, 10**6).amin(-1)
-        window = torch.where(torch.isfinite(others_free), others_free - now, 0.0)
-        work = 0.7124 * left / total.sqrt()
-        columns = (
-            now / own_t_max,
-            own_t_max - now,
-            window,
-            left / total,
-            flying / uavs,
-            (work / capacity.clamp(min=1e-3)).clamp(max=3),
-            (own_degree / need).clamp(max=4),
-            (least / need).clamp(max=4),
-            (~torch.isfinite(others_free)).float(),
-        )
-        return torch.stack(columns, dim=-1)
-
-    def _pair_features(
-        self, active: Tensor, now: Tensor, duration: Tensor, distance: Tensor
-    ) -> Tensor:
-        """What relates the active UAV to each waypoint, (B, P, W, 4), in units of their spacing."""
-        spacing = self.batch.waypoint_valid.sum(-1)[:, None, None].float().sqrt()
-        waypoints = self.batch.waypoints[:, None]
-        rivals = torch.cdist(waypoints.expand(-1, active.shape[1], -1, -1), self.target)
-        own = torch.zeros_like(self.done).scatter(-1, active[..., None], True)
-        rivals = torch.where((own | self.done)[..., None, :], 2.0, rivals).amin(-1)
-        t_max = self.batch.t_max[:, None].expand_as(self.arrive).gather(-1, active[..., None])
-        slack = (t_max - now[..., None] - duration) / t_max
-        near = distance * spacing
-        return torch.stack((near, rivals * spacing, near.square() / 10, slack), dim=-1)
 
 
 def _pick(per_uav: Tensor, active: Tensor) -> Tensor:

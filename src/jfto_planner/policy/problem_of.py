@@ -13,7 +13,9 @@ MEAN_SPEED_MPS = 10.0
 SLOTS = 150
 
 
-def problem_of(batch: InstanceBatch, row: int, *, d_min_m: float = 5.0) -> RoutingProblem:
+def problem_of(
+    batch: InstanceBatch, row: int, *, d_min_m: float = 5.0, slots: int = SLOTS
+) -> RoutingProblem:
     """Routing problem of one row of an unpadded batch, with pads `d_min_m` × 1.5 apart.
 
     Energy is left out; the policy does not know it.
@@ -43,5 +45,5 @@ def problem_of(batch: InstanceBatch, row: int, *, d_min_m: float = 5.0) -> Routi
         k_min=int(batch.k_min[row]),
         d_min_m=0.0,
         length_max_m=1e7,
-        slot_count=SLOTS,
+        slot_count=slots,
     )

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import itertools
 
+import numpy as np
 import torch
 
+from jfto_planner.policy.compiled_policy import CompiledPolicy
 from jfto_planner.policy.environment import Episode
 from jfto_planner.policy.instance import stack, symmetries
-from jfto_planner.policy.model import Policy
+from jfto_planner.policy.model import Policy, arrays_of
 from support.policy_cases import SMALL, instances, line_of_three
 
 
@@ -19,13 +21,12 @@ def _policy() -> Policy:
 
 def _likelihoods(policy: Policy, batch, paths: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
     """Log likelihood and cost of prescribed choice sequences (P, steps) of one problem."""
-    nodes, graph, _ = policy.encoder(batch)
-    keys = policy.decoder.prepare(nodes, graph, batch.starts.shape[1])
+    keys = policy.encode(batch)
     episode = Episode(batch, len(paths))
-    total = torch.zeros(1, len(paths), dtype=nodes.dtype)
+    total = torch.zeros(1, len(paths))
     for step in paths.T:
         seen = episode.observe()
-        total = total + policy.decoder(keys, episode, seen).gather(-1, step[None, :, None])[..., 0]
+        total = total + policy.decoder(keys, seen).gather(-1, step[None, :, None])[..., 0]
         episode.step(step[None])
     return total[0], episode.length[0]
 
@@ -71,6 +72,50 @@ def test_a_batch_of_mixed_sizes_equals_its_problems_one_by_one() -> None:
         alone = policy(batch)
         torch.testing.assert_close(together.length[row], alone.length[0])
         assert float(together.misses[row]) == float(alone.misses[0])
+
+
+def test_one_pass_over_all_steps_gives_the_likelihood_of_the_rollout() -> None:
+    """What is learned from is the likelihood with which the rollout was drawn."""
+    policy = _policy()
+    batch = instances(3, 8, 4, k_min=2)
+    learning = policy(batch, 5, generator=torch.Generator().manual_seed(2))
+    with torch.no_grad():
+        drawn = policy(batch, 5, generator=torch.Generator().manual_seed(2))
+    assert learning.log_likelihood.requires_grad
+    assert torch.equal(learning.choices, drawn.choices)
+    torch.testing.assert_close(learning.log_likelihood.detach(), drawn.log_likelihood)
+
+
+@torch.no_grad()
+def test_compiled_rollouts_equal_those_in_tensors() -> None:
+    """On a CPU the environment and the decoder run compiled: same choices, lengths, likelihoods."""
+    policy = _policy()
+    batch = stack([instances(2, w, a, seed=w, k_min=2) for w, a in ((7, 3), (12, 6), (20, 5))])
+    expected, seen = policy.stepwise(policy.encode(batch), batch, 1, None)
+    compiled = policy(batch)
+    assert torch.equal(compiled.choices, expected.choices)
+    torch.testing.assert_close(compiled.length, expected.length)
+    torch.testing.assert_close(compiled.late, expected.late)
+    assert torch.equal(compiled.misses, expected.misses)
+    torch.testing.assert_close(compiled.log_likelihood, expected.log_likelihood, rtol=1e-4, atol=0)
+    assert seen.pair.shape[1] == compiled.choices.shape[-1]
+
+
+@torch.no_grad()
+def test_the_encoder_in_numpy_equals_the_one_in_torch() -> None:
+    """Inference needs no torch: the same embeddings, also of padded problems, in evaluation."""
+    policy = _policy()
+    for layer in policy.encoder.layers:
+        layer.norm_attention.norm.running_mean.uniform_(-0.5, 0.5)
+        layer.norm_feed_forward.norm.running_var.uniform_(0.5, 2.0)
+    batch = stack([instances(2, w, a, seed=w) for w, a in ((7, 3), (12, 6))])
+    compiled = CompiledPolicy(arrays_of(policy), SMALL.heads, SMALL.layers, SMALL.clip)
+    expected, found = policy.encode(batch).known(), compiled.encode(batch.numpy())
+    for name in ("graph", "node_part", "glimpse_key", "pointer_key", "pair_key", "stop_key"):
+        np.testing.assert_allclose(
+            getattr(found, name), getattr(expected, name), rtol=1e-4, atol=1e-5
+        )
+    assert found.graph.shape == (4, SMALL.width)
 
 
 def test_symmetries_preserve_every_distance() -> None:

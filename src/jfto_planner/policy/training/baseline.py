@@ -11,19 +11,25 @@ from scipy import stats
 from torch import Tensor
 
 from jfto_planner.policy.instance import InstanceBatch
-from jfto_planner.policy.model import Policy
+from jfto_planner.policy.model import Policy, Rollouts
 from jfto_planner.policy.training.config import TrainingConfig
 
 DrawEvaluation = Callable[[int], list[InstanceBatch]]
 
 
-def greedy_cost(policy: Policy, batches: list[InstanceBatch], config: TrainingConfig) -> Tensor:
-    """Cost of greedy rollouts of every problem of some batches, (problems,)."""
+def greedy_outcomes(policy: Policy, batches: list[InstanceBatch]) -> list[Rollouts]:
+    """Greedy rollouts of every problem of some batches."""
     training = policy.training
     policy.eval()
     with torch.no_grad():
         outcomes = [policy(batch) for batch in batches]
     policy.train(training)
+    return outcomes
+
+
+def greedy_cost(policy: Policy, batches: list[InstanceBatch], config: TrainingConfig) -> Tensor:
+    """Cost of greedy rollouts of every problem of some batches, (problems,)."""
+    outcomes = greedy_outcomes(policy, batches)
     costs = [outcome.cost(config.miss_penalty, config.late_penalty) for outcome in outcomes]
     return torch.cat([cost.squeeze(1) for cost in costs]).double().cpu()
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,33 +12,68 @@ from jfto_planner.policy.generator import SceneRanges
 from jfto_planner.policy.model import PolicyShape
 
 BASELINES = ("greedy_rollout", "shared")
+IMITATION, REINFORCE = METHODS = ("imitation", "reinforce")
 
 
 @dataclass(frozen=True)
 class Stage:
-    """One stretch of the curriculum: sizes drawn uniformly from closed ranges."""
+    """One stretch of the curriculum: sizes drawn uniformly from closed ranges.
+
+    Every `large_every`-th step draws its waypoints from `large` instead, and so many fewer
+    problems that it takes no more memory. The learning rate falls from `learning_rate` to
+    `final_rate` along half a cosine. An "imitation" stage maximises the likelihood of the search's
+    routes on `shards` sets of problems, for each of which the search tries `moves` moves. The
+    `baseline` of REINFORCE is "greedy_rollout", the best model's greedy rollout, or "shared", the
+    mean of the rollouts of one problem, as in POMO.
+    """
 
     steps: int
     waypoints: tuple[int, int]
     uavs: tuple[int, int]
     instances: int  # problems per step
-    rollouts: int  # of each problem
+    rollouts: int = 1  # of each problem
     learning_rate: float = 3e-4
+    final_rate: float | None = None
+    method: str = REINFORCE
+    large: tuple[int, int] = (100, 140)
+    large_every: int = 0
+    shards: int = 0
+    moves: int = 20_000
+    baseline: str = "greedy_rollout"
+
+    def sizes(self, number: int) -> tuple[int, int]:
+        """Range of waypoints of the stage's step or shard of a number."""
+        return self.large if self.is_large(number) else self.waypoints
+
+    def is_large(self, number: int) -> bool:
+        """Whether a step or shard is one of the large ones."""
+        return self.large_every > 0 and number % self.large_every == self.large_every - 1
+
+    def problems(self, waypoints: int) -> int:
+        """Problems of a step with so many waypoints."""
+        return max(2, self.instances * self.waypoints[1] // max(waypoints, self.waypoints[1]))
+
+    def rate(self, step: int) -> float:
+        """Learning rate of the stage's step of a number."""
+        if self.final_rate is None:
+            return self.learning_rate
+        fall = 0.5 * (1 + math.cos(math.pi * step / self.steps))
+        return self.final_rate + (self.learning_rate - self.final_rate) * fall
 
 
 @dataclass(frozen=True)
 class TrainingConfig:
     """Everything that decides the outcome of a run, given the machine's arithmetic.
 
-    `baseline` is "greedy_rollout" (the best model's greedy rollout, replaced when a one-sided
-    paired t-test at `significance` says that the policy is better) or "shared" (the mean of the
-    rollouts of one problem, as in POMO; the t-test then only chooses the model that is kept).
-    `multi_start` forces the rollouts of a problem to begin at different waypoints.
+    The best model is replaced when a one-sided paired t-test at `significance` says that the
+    policy is better, and is what is kept in the end. `multi_start` forces the rollouts of a
+    problem to begin at different waypoints. `bfloat16` computes products in half precision, on CUDA
+    and on CPUs that have AMX. `normalise` divides the advantages of each problem's rollouts by
+    their root mean square.
     """
 
     seed: int
     stages: tuple[Stage, ...]
-    baseline: str = "greedy_rollout"
     multi_start: bool = False
     significance: float = 0.05
     miss_penalty: float = 0.1
@@ -46,34 +82,42 @@ class TrainingConfig:
     evaluate_every: int = 100
     evaluation_instances: int = 128
     checkpoint_every: int = 25
+    bfloat16: bool = False
+    normalise: bool = False
     shape: PolicyShape = field(default_factory=PolicyShape)
     scenes: SceneRanges = field(default_factory=SceneRanges)
 
     def __post_init__(self) -> None:
-        if self.baseline not in BASELINES:
-            raise InputError(f"baseline is {self.baseline!r}, must be one of {BASELINES}.")
         if not self.stages:
             raise InputError("stages is empty, give at least one.")
         if not 0 < self.significance < 1:
             raise InputError(f"significance is {self.significance}, must lie between 0 and 1.")
         for number, stage in enumerate(self.stages):
-            if stage.rollouts < 2 and self.baseline == "shared":
-                raise InputError(
-                    f"stages[{number}].rollouts is {stage.rollouts}; a shared baseline needs 2."
-                )
+            _check(stage, f"stages[{number}]")
 
     @property
     def total_steps(self) -> int:
         """Optimiser steps of all stages."""
         return sum(stage.steps for stage in self.stages)
 
-    def stage_at(self, step: int) -> Stage:
-        """Stage that a step belongs to."""
-        for stage in self.stages:
+    def stage_at(self, step: int) -> tuple[int, int]:
+        """Number of the stage that a step belongs to, and the step's number within it."""
+        for number, stage in enumerate(self.stages):
             if step < stage.steps:
-                return stage
+                return number, step
             step -= stage.steps
-        return self.stages[-1]
+        raise ValueError("beyond the last stage")
+
+
+def _check(stage: Stage, name: str) -> None:
+    if stage.method not in METHODS:
+        raise InputError(f"{name}.method is {stage.method!r}, must be one of {METHODS}.")
+    if stage.method == IMITATION and stage.shards < 1:
+        raise InputError(f"{name}.shards is {stage.shards}; imitation needs at least 1.")
+    if stage.baseline not in BASELINES:
+        raise InputError(f"{name}.baseline is {stage.baseline!r}, must be one of {BASELINES}.")
+    if stage.method == REINFORCE and stage.rollouts < 2 and stage.baseline == "shared":
+        raise InputError(f"{name}.rollouts is {stage.rollouts}; a shared baseline needs 2.")
 
 
 def from_dict(values: dict[str, Any]) -> TrainingConfig:

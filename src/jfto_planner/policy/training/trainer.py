@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import csv
 import dataclasses
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import torch
@@ -13,11 +15,20 @@ from torch import Tensor
 
 from jfto_msgs_py.errors import InputError
 from jfto_planner.policy import generator as scenes
-from jfto_planner.policy.instance import InstanceBatch
-from jfto_planner.policy.model import Policy, Rollouts
+from jfto_planner.policy.instance import InstanceBatch, turned
+from jfto_planner.policy.model import Policy
 from jfto_planner.policy.training import checkpoint
-from jfto_planner.policy.training.baseline import BestModel, greedy_cost
-from jfto_planner.policy.training.config import Stage, TrainingConfig
+from jfto_planner.policy.training.baseline import BestModel, greedy_cost, greedy_outcomes
+from jfto_planner.policy.training.config import IMITATION, Stage, TrainingConfig
+from jfto_planner.policy.training.imitation import imitate, ready_shards
+from jfto_planner.policy.training.seeds import (
+    EVALUATION,
+    HELD_OUT,
+    TRAINING,
+    between,
+    generator_of,
+)
+from jfto_planner.policy.training.teacher import Teacher
 from jfto_planner.policy.training.workers import Workers
 
 CHECKPOINT = "checkpoint.safetensors"
@@ -30,12 +41,19 @@ COLUMNS = (
     "misses",
     "late",
     "feasible",
+    "loss",
     "gradient",
-    "evaluation",
+    "seconds",
+    "challenge",
     "replaced",
+    "held_out",
+    "held_out_feasible",
 )
-# Streams of random numbers that must not meet: one for training, one for evaluation problems.
-TRAINING, EVALUATION = 0, 1
+# Problems that the curve is measured on, the same from the first step to the last.
+HELD_OUT_SIZES = ((50, 4), (50, 8))
+HELD_OUT_EACH = 48
+# Extents of length below which the rollouts of a problem count as equal.
+SPREAD_FLOOR = 0.02
 
 
 @dataclass(frozen=True)
@@ -45,14 +63,6 @@ class Progress:
     step: int
     total: int
     row: dict[str, float]
-
-
-def _generator(config: TrainingConfig, stream: int, number: int, rank: int) -> torch.Generator:
-    """Random numbers of one step of one worker: a function of these alone, so that a run that is
-    resumed draws what the run that was killed would have drawn.
-    """
-    mixed = ((config.seed * 2 + stream) * 1_000_003 + number) * 64 + rank
-    return torch.Generator().manual_seed(mixed % 2**63)
 
 
 class Trainer:
@@ -68,7 +78,9 @@ class Trainer:
         self.policy = Policy(config.shape).to(self.device)
         self.optimiser = torch.optim.Adam(self.policy.parameters())
         self.best = BestModel(self.policy, config, self._evaluation_problems)
+        self.teacher = Teacher(config, directory)
         self.step = 0
+        self.seconds = 0.0
         if (directory / CHECKPOINT).exists():
             self._resume()
 
@@ -91,32 +103,71 @@ class Trainer:
         return self.best.model
 
     def _one_step(self) -> dict[str, float]:
-        config = self.config
-        stage = config.stage_at(self.step)
-        batch, generator = self._draw(stage)
+        begun_s = time.monotonic()
+        number, within = self.config.stage_at(self.step)
+        stage = self.config.stages[number]
         for group in self.optimiser.param_groups:
-            group["lr"] = stage.learning_rate
-        with torch.autocast(self.device.type, torch.bfloat16, enabled=self.device.type == "cuda"):
-            outcome = self.policy(
-                batch, stage.rollouts, generator=generator, first=self._first(batch, stage)
-            )
-        cost = outcome.cost(config.miss_penalty, config.late_penalty).detach()
-        advantage = cost - self._baseline(batch, cost)
-        loss = (advantage * outcome.log_likelihood).mean()
+            group["lr"] = stage.rate(within)
+        with torch.autocast(self.device.type, torch.bfloat16, enabled=self.config.bfloat16):
+            if stage.method == IMITATION:
+                loss, row = imitate(self.policy, *self._lesson(number, within))
+            else:
+                loss, row = self._explore(stage, within)
         self.optimiser.zero_grad(set_to_none=True)
         loss.backward()
         self.workers.average_gradients(self.policy)
-        norm = torch.nn.utils.clip_grad_norm_(self.policy.parameters(), config.gradient_clip)
+        norm = torch.nn.utils.clip_grad_norm_(self.policy.parameters(), self.config.gradient_clip)
         self.optimiser.step()
-        return self._row(batch, outcome, float(norm))
+        row |= {"step": self.step, "gradient": float(norm)}
+        if (self.step + 1) % self.config.evaluate_every == 0:
+            self.workers.share_buffers(self.policy)
+            row |= self._evaluate()
+        self.seconds += time.monotonic() - begun_s
+        return row | {"seconds": round(self.seconds, 2)}
 
-    def _draw(self, stage: Stage) -> tuple[InstanceBatch, torch.Generator]:
+    def _lesson(self, number: int, within: int) -> tuple[InstanceBatch, Tensor]:
+        """Problems and routes to imitate: this worker's part of a shard, each turned at random."""
+        stage = self.config.stages[number]
+        random = generator_of(self.config.seed, TRAINING, self.step)
+        known = ready_shards(stage, within)
+        shard = self.teacher.shard(number, int(torch.randint(known, (1,), generator=random)))
+        turns = torch.randint(8, (shard.batch.size,), generator=random)
+        batch = turned(shard.batch, turns)
+        own = shard.solved.clone()
+        own[torch.arange(batch.size) % self.workers.count != self.workers.rank] = False
+        return batch.rows(own).to(self.device), shard.routes[own]
+
+    def _explore(self, stage: Stage, within: int) -> tuple[Tensor, dict[str, float]]:
+        """Loss of Algorithm 1: REINFORCE with a baseline."""
+        batch, generator = self._draw(stage, within)
+        outcome = self.policy(
+            batch, stage.rollouts, generator=generator, first=self._first(batch, stage)
+        )
+        cost = outcome.cost(self.config.miss_penalty, self.config.late_penalty).detach()
+        advantage = cost - self._baseline(stage, batch, cost)
+        if self.config.normalise:
+            # Problem by problem, or the few whose rollouts come late would drown the others.
+            spread = advantage.square().mean(1, keepdim=True).sqrt()
+            advantage = advantage / (spread + SPREAD_FLOOR)
+        loss = (advantage * outcome.log_likelihood).mean()
+        clean = (outcome.misses == 0) & (outcome.late == 0)
+        return loss, {
+            "waypoints": batch.waypoints.shape[1],
+            "uavs": batch.start_of.shape[1],
+            "length": float(outcome.length.mean()),
+            "misses": float(outcome.misses.mean()),
+            "late": float(outcome.late.mean()),
+            "feasible": float(clean.float().mean()),
+        }
+
+    def _draw(self, stage: Stage, within: int) -> tuple[InstanceBatch, torch.Generator]:
         # All workers draw problems of one size, so that their steps take equally long.
-        common = _generator(self.config, TRAINING, self.step, 63)
-        waypoints = _between(stage.waypoints, common)
-        uavs = _between(stage.uavs, common)
-        own = _generator(self.config, TRAINING, self.step, self.workers.rank)
-        batch = scenes.draw(own, stage.instances, waypoints, uavs, self.config.scenes)
+        common = generator_of(self.config.seed, TRAINING, self.step, 63)
+        waypoints = between(stage.sizes(within), common)
+        uavs = between(stage.uavs, common)
+        own = generator_of(self.config.seed, TRAINING, self.step, self.workers.rank)
+        count = stage.problems(waypoints)
+        batch = scenes.draw(own, count, waypoints, uavs, self.config.scenes)
         sampling = own
         if self.device.type != "cpu":
             sampling = torch.Generator(self.device).manual_seed(own.initial_seed() + 1)
@@ -128,40 +179,47 @@ class Trainer:
         number = torch.arange(stage.rollouts, device=self.device)
         return number.remainder(batch.waypoints.shape[1]).expand(batch.size, -1)
 
-    def _baseline(self, batch: InstanceBatch, cost: Tensor) -> Tensor:
-        if self.config.baseline == "shared":
+    def _baseline(self, stage: Stage, batch: InstanceBatch, cost: Tensor) -> Tensor:
+        if stage.baseline == "shared":
             return cost.mean(1, keepdim=True)
         return greedy_cost(self.best.model, [batch], self.config).to(cost)[:, None]
 
-    def _row(self, batch: InstanceBatch, outcome: Rollouts, norm: float) -> dict[str, float]:
-        clean = (outcome.misses == 0) & (outcome.late == 0)
-        row: dict[str, float] = {
-            "step": self.step,
-            "waypoints": batch.waypoints.shape[1],
-            "uavs": batch.start_of.shape[1],
-            "length": float(outcome.length.mean()),
-            "misses": float(outcome.misses.mean()),
-            "late": float(outcome.late.mean()),
-            "feasible": float(clean.float().mean()),
-            "gradient": norm,
-            "evaluation": float("nan"),
-            "replaced": 0,
+    def _evaluate(self) -> dict[str, float]:
+        """Challenge the best model, and measure the policy on the problems held out."""
+        challenge, replaced = self.best.challenge(self.policy)
+        outcomes = greedy_outcomes(self.policy, self._held_out)
+        lengths = torch.cat([outcome.length for outcome in outcomes])
+        clean = [(outcome.misses == 0) & (outcome.late == 0) for outcome in outcomes]
+        return {
+            "challenge": challenge,
+            "replaced": replaced,
+            "held_out": float(lengths.mean()),
+            "held_out_feasible": float(torch.cat(clean).float().mean()),
         }
-        if (self.step + 1) % self.config.evaluate_every == 0:
-            self.workers.share_buffers(self.policy)
-            row["evaluation"], row["replaced"] = self.best.challenge(self.policy)
-        return row
+
+    @cached_property
+    def _held_out(self) -> list[InstanceBatch]:
+        return [
+            scenes.draw(
+                generator_of(self.config.seed, HELD_OUT, number),
+                HELD_OUT_EACH,
+                waypoints,
+                uavs,
+                self.config.scenes,
+            ).to(self.device)
+            for number, (waypoints, uavs) in enumerate(HELD_OUT_SIZES)
+        ]
 
     def _evaluation_problems(self, number: int) -> list[InstanceBatch]:
         """Problems that the best model is judged by: the sizes of every stage in equal parts."""
-        generator = _generator(self.config, EVALUATION, number, 0)
+        generator = generator_of(self.config.seed, EVALUATION, number)
         count = max(2, self.config.evaluation_instances // len(self.config.stages))
         return [
             scenes.draw(
                 generator,
                 count,
-                _between(stage.waypoints, generator),
-                _between(stage.uavs, generator),
+                between(stage.waypoints, generator),
+                between(stage.uavs, generator),
                 self.config.scenes,
             ).to(self.device)
             for stage in self.config.stages
@@ -177,6 +235,7 @@ class Trainer:
         }
         facts = {
             "step": self.step,
+            "seconds": self.seconds,
             "draws": self.best.draws,
             "config": dataclasses.asdict(self.config),
         }
@@ -185,7 +244,7 @@ class Trainer:
     def _resume(self) -> None:
         path = self.directory / CHECKPOINT
         groups, facts = checkpoint.load(path)
-        same = ("seed", "shape", "baseline")
+        same = ("seed", "shape")
         now = dataclasses.asdict(self.config)
         for key in same:
             if facts["config"][key] != now[key]:
@@ -197,6 +256,7 @@ class Trainer:
         checkpoint.restore_optimiser(self.optimiser, groups["adam"])
         self.best.restore(groups["best"], facts["draws"])
         self.step = int(facts["step"])
+        self.seconds = float(facts["seconds"])
 
     def _truncate_log(self) -> None:
         """Drop rows of steps that a killed run made after its last checkpoint."""
@@ -219,7 +279,3 @@ class Trainer:
             return
         with (self.directory / LOG).open("a", newline="") as file:
             csv.DictWriter(file, COLUMNS).writerows(rows)
-
-
-def _between(limits: tuple[int, int], generator: torch.Generator) -> int:
-    return int(torch.randint(limits[0], limits[1] + 1, (1,), generator=generator))

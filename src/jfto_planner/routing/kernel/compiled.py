@@ -24,18 +24,18 @@ def entry(function: Function) -> Any:
     """Compile a function that Python calls, without the interpreter lock, and cache it on disk.
 
     numba renews a cached function only when its own file changes, not when a kernel that it calls
-    does; the stamp of all kernel files takes that place. Where nothing can be written, every
-    process compiles for itself.
+    does; the stamp of all files in the entry's folder takes that place. Where nothing can be
+    written, every process compiles for itself.
     """
     dispatcher = inner(function)
     try:
         dispatcher.enable_caching()
     except RuntimeError:  # numba's way to say that it found no writable folder
         return dispatcher
-    dispatcher._cache._cache_file._source_stamp = _kernel_stamp()
+    dispatcher._cache._cache_file._source_stamp = _kernel_stamp(function)
     return dispatcher
 
 
-def _kernel_stamp() -> tuple[tuple[str, int, int], ...]:
-    files = sorted(Path(__file__).parent.glob("*.py"))
+def _kernel_stamp(function: Function) -> tuple[tuple[str, int, int], ...]:
+    files = [Path(__file__), *sorted(Path(function.__code__.co_filename).parent.glob("*.py"))]
     return tuple((file.name, file.stat().st_mtime_ns, file.stat().st_size) for file in files)

@@ -16,16 +16,33 @@ from jfto_msgs_py.errors import InputError
 from jfto_planner.policy.model import PolicyShape
 from jfto_planner.policy.training.baseline import significantly_better
 from jfto_planner.policy.training.config import Stage, TrainingConfig, from_dict
+from jfto_planner.policy.training.teacher import Teacher
 from jfto_planner.policy.training.trainer import LOG, Trainer
 
 CONFIG = TrainingConfig(
     seed=4,
-    stages=(Stage(6, (5, 7), (3, 4), instances=4, rollouts=4, learning_rate=1e-3),),
+    stages=(
+        Stage(
+            2,
+            (5, 7),
+            (3, 4),
+            instances=4,
+            method="imitation",
+            shards=2,
+            moves=300,
+            large=(8, 9),
+            large_every=2,
+        ),
+        Stage(4, (5, 7), (3, 4), instances=4, rollouts=4, learning_rate=1e-3, final_rate=1e-4),
+    ),
     evaluate_every=2,
     evaluation_instances=8,
     checkpoint_every=2,
     shape=PolicyShape(width=16, heads=4, layers=1, hidden=16),
 )
+
+
+STAGE = {"steps": 1, "waypoints": [5, 7], "uavs": [3, 4], "instances": 2}
 
 
 class KilledError(Exception):
@@ -35,6 +52,11 @@ class KilledError(Exception):
 def _log(directory: Path) -> list[dict[str, str]]:
     with (directory / LOG).open(newline="") as file:
         return list(csv.DictReader(file))
+
+
+def _curve(directory: Path) -> list[dict[str, str]]:
+    """The log without the clock."""
+    return [{key: row[key] for key in row if key != "seconds"} for row in _log(directory)]
 
 
 def test_a_killed_run_resumes_with_the_same_curve(tmp_path) -> None:
@@ -51,18 +73,57 @@ def test_a_killed_run_resumes_with_the_same_curve(tmp_path) -> None:
     resumed = Trainer(CONFIG, tmp_path / "killed")
     assert resumed.step == 4
     resumed.run()
-    assert _log(tmp_path / "killed") == _log(tmp_path / "whole")
+    assert _curve(tmp_path / "killed") == _curve(tmp_path / "whole")
     for name, value in whole.policy.state_dict().items():
         assert torch.equal(value, resumed.policy.state_dict()[name]), name
 
 
 def test_both_baselines_train(tmp_path) -> None:
     """The shared baseline with multi-start moves the weights too."""
-    config = replace(CONFIG, baseline="shared", multi_start=True)
+    stages = tuple(replace(stage, baseline="shared") for stage in CONFIG.stages)
+    config = replace(CONFIG, stages=stages, multi_start=True)
     trainer = Trainer(config, tmp_path)
     before = trainer.policy.decoder.stop_bias.item()
     trainer.run()
     assert trainer.policy.decoder.stop_bias.item() != before
+
+
+def test_imitation_makes_the_routes_likelier(tmp_path) -> None:
+    """Steps on one shard raise the likelihood of the search's routes there."""
+    stage = replace(CONFIG.stages[0], steps=40, shards=1, instances=6, learning_rate=3e-3)
+    Trainer(replace(CONFIG, stages=(stage,), evaluate_every=100), tmp_path).run()
+    losses = [float(row["loss"]) for row in _log(tmp_path)]
+    assert sum(losses[-10:]) < 0.8 * sum(losses[:10])
+
+
+def test_a_shard_is_solved_once(tmp_path) -> None:
+    """The second time a shard comes from the disk, with sound routes for its problems."""
+    first = Teacher(CONFIG, tmp_path).shard(0, 0)
+    (file,) = tmp_path.glob("teacher/*")
+    written = file.stat().st_mtime_ns
+    again = Teacher(CONFIG, tmp_path).shard(0, 0)
+    assert file.stat().st_mtime_ns == written
+    assert torch.equal(first.routes, again.routes)
+    waypoints = first.batch.waypoints.shape[1]
+    assert first.solved.any()
+    for routes in first.routes[first.solved]:
+        assert sorted(routes[routes < waypoints].tolist()) == list(range(waypoints))
+
+
+def test_the_learning_rate_falls_along_a_cosine() -> None:
+    """It starts at learning_rate, is halfway in the middle, and nears final_rate."""
+    stage = Stage(100, (5, 7), (3, 4), instances=4, learning_rate=1e-3, final_rate=1e-4)
+    assert stage.rate(0) == 1e-3
+    assert stage.rate(50) == pytest.approx(5.5e-4)
+    assert stage.rate(99) == pytest.approx(1e-4, rel=0.01)
+
+
+def test_large_steps_take_fewer_problems() -> None:
+    """Every third step is large and has so many fewer problems that the nodes stay as many."""
+    stage = Stage(9, (20, 60), (3, 4), instances=12, large=(100, 140), large_every=3)
+    assert [stage.sizes(number) for number in range(3)] == [(20, 60), (20, 60), (100, 140)]
+    assert stage.problems(30) == 12
+    assert stage.problems(120) == 6
 
 
 def test_the_t_test_wants_evidence() -> None:
@@ -82,6 +143,9 @@ def test_the_t_test_wants_evidence() -> None:
         ({"seed": 1, "stages": []}, "at least one"),
         ({"seed": 1, "stages": [{"steps": 1}]}, "waypoints is missing"),
         ({"seed": 1, "stages": 3}, "must be a list"),
+        ({"seed": 1, "stages": [STAGE | {"method": "guess"}]}, r"stages\[0\].method is 'guess'"),
+        ({"seed": 1, "stages": [STAGE | {"baseline": "none"}]}, r"stages\[0\].baseline is"),
+        ({"seed": 1, "stages": [STAGE | {"method": "imitation"}]}, "needs at least 1"),
         ({"seed": 1, "stages": [7]}, "must be a map"),
         ({"sead": 1, "stages": []}, "sead is unknown"),
     ],
