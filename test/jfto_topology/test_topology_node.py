@@ -5,15 +5,18 @@ from __future__ import annotations
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped
+from rcl_interfaces.msg import Log
 from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 from visualization_msgs.msg import Marker, MarkerArray
 
 from jfto_msgs_py.ros import qos, topics
+from jfto_msgs_py.ros.energy import encode_energy_left
+from jfto_msgs_py.ros.events import ERROR, INFO, WARN, Event, decode_event
 from jfto_msgs_py.ros.network import decode_adjacency, decode_power_intervals
 from jfto_msgs_py.ros.vehicle import encode_pose, encode_trajectory
 from jfto_topology.topology_node import TopologyNode
-from support.fleets import eastward, pose
+from support.fleets import at, eastward, pose
 from support.graph import Graph
 
 IDS = ("uav1", "uav2", "uav3")
@@ -37,19 +40,24 @@ class _Fleet:
         self.adjacency = graph.collect(UInt8MultiArray, topics.ADJACENCY, qos.latched())
         self.intervals = graph.collect(Float64MultiArray, topics.POWER_INTERVAL, qos.latched())
         self.markers = graph.collect(MarkerArray, topics.MARKERS, qos.latched())
+        self.heard = graph.collect(Log, topics.EVENTS, qos.events())
+        self.energy = node.create_publisher(Float64MultiArray, topics.ENERGY_LEFT, qos.latched())
         self.diagnostics = graph.collect(DiagnosticArray, topics.DIAGNOSTICS, qos.default())
 
     def plan(self) -> None:
         for index, uav in enumerate(IDS):
             self.trajectories[uav].publish(encode_trajectory(eastward(100.0 * index), uav))
 
-    def measure(self, seconds: float, *uavs: str) -> None:
-        """Poses as planned; best effort, so wait until somebody listens."""
+    def measure(self, seconds: float, *uavs: str, lag_s: float = 0.0) -> None:
+        """Poses as planned, `lag_s` late; best effort, so wait until somebody listens."""
         for uav in uavs:
             publisher = self.poses[uav]
             self.graph.until(lambda publisher=publisher: publisher.get_subscription_count())
             index = IDS.index(uav)
-            publisher.publish(encode_pose(pose(seconds, 5.0 * seconds, 100.0 * index)))
+            publisher.publish(encode_pose(pose(seconds, 5.0 * (seconds - lag_s), 100.0 * index)))
+
+    def events(self) -> list[Event]:
+        return [decode_event(message) for message in self.heard]
 
     def facts(self, name: str) -> dict[str, str]:
         """Latest diagnostics of one status, its message and level with them."""
@@ -188,3 +196,63 @@ def test_a_late_joiner_gets_the_latest_topology(graph) -> None:
     late_markers = graph.collect(MarkerArray, topics.MARKERS, qos.latched())
     graph.until(lambda: late and late_markers)
     assert decode_adjacency(late[0]).horizon.first == 1
+
+
+def test_a_node_restarted_in_mid_flight_goes_on_within_a_slot(graph) -> None:
+    """It gets the latched plans, finds a lag of 11 s from one pose each, and the slot they are in.
+
+    The plan lasts 20 s, its ten slots 2 s each: at 16.5 s, 11 s late, the fleet is in slot 2.
+    """
+    fleet = _start(graph)
+    graph.at(2.1)
+    fleet.measure(2.1, *IDS)
+    graph.until(lambda: _firsts(fleet) == [1])
+    graph.remove(graph.executor.get_nodes()[-1])
+    graph.add(TopologyNode, use_sim_time=True, horizon_slots=4)
+    graph.at(16.5)
+    fleet.measure(16.5, *IDS, lag_s=11.0)
+    graph.until(lambda: len(fleet.adjacency) == 2)
+    horizon = decode_adjacency(fleet.adjacency[-1]).horizon
+    assert horizon.first == 2
+    assert abs(horizon.t0_ns - at(15.0)) < 10**8
+    graph.until(lambda: any("11 s late: its slots are shifted" in e.text for e in fleet.events()))
+    for step in range(1, 4):
+        graph.at(16.5 + 1.1 * step)
+    graph.until(lambda: float(fleet.facts("topology_node").get("slot_shift_s", "0")) > 10)
+    assert float(fleet.facts("topology_node")["fleet_lag_s"]) == pytest.approx(11.0, abs=0.1)
+
+
+def test_silence_of_all_blocks_no_slot_and_is_told(graph) -> None:
+    """Four seconds without a pose: the topology of all UAVs goes on, announced as an error."""
+    fleet = _start(graph)
+    graph.at(2.1)
+    fleet.measure(2.1, *IDS)
+    graph.until(lambda: _firsts(fleet) == [1])
+    for seconds in (4.3, 6.0, 6.5, 7.6, 8.7):
+        graph.at(seconds)
+    graph.until(lambda: len(fleet.adjacency) >= 3)
+    assert decode_adjacency(fleet.adjacency[-1]).uav_ids == IDS
+    graph.until(fleet.events)
+    event = fleet.events()[0]
+    assert (event.level, event.kind, event.uav_id) == (ERROR, "stale", "")
+    assert "from their last good predictions" in event.text
+    graph.at(10.05)
+    fleet.measure(10.05, *IDS)
+    graph.until(lambda: len(fleet.events()) == 2)
+    assert fleet.events()[1].level == INFO
+
+
+def test_energy_that_will_not_last_is_announced_before(graph) -> None:
+    """The power node's account against the least powers of all slots that are left."""
+    fleet = _start(graph)
+    fleet.energy.publish(encode_energy_left(at(0.0), {"uav1": 1e-6, "uav2": 50.0, "uav3": 50.0}))
+    graph.until(lambda: graph.executor.get_nodes()[-1]._left_j)
+    graph.at(2.1)
+    fleet.measure(2.1, *IDS)
+    graph.until(fleet.events)
+    event = fleet.events()[0]
+    assert (event.level, event.kind, event.uav_id) in {
+        (WARN, "energy", "uav1"),
+        (ERROR, "energy", "uav1"),
+    }
+    assert "cannot pay for its least powers from slot" in event.text
