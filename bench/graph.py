@@ -9,6 +9,11 @@ trajectories.
 
     python bench/graph.py latency [--slots 150]
     python bench/graph.py heal [--kills 50]
+    python bench/graph.py memory [--minutes 10]
+
+Memory: planner, topology, power, bridge, simulated vehicles and recorder run under
+`jfto up --vehicles sim --record`; resident memory of each is taken every ten seconds once all are
+linked.
 """
 
 from __future__ import annotations
@@ -104,9 +109,15 @@ class Watcher:
                 qos.latched(),
             )
 
-    def until(self, condition: object) -> None:
+    def spin_for(self, seconds: float) -> None:
+        """Spin for some time."""
+        end = time.monotonic() + seconds
+        while (left_s := end - time.monotonic()) > 0:
+            self.executor.spin_once(timeout_sec=left_s)
+
+    def until(self, condition: object, limit_s: float = LIMIT_S) -> None:
         """Spin until a condition holds."""
-        end = time.monotonic() + LIMIT_S
+        end = time.monotonic() + limit_s
         while not condition():
             if time.monotonic() > end:
                 sys.exit("the graph does not answer")
@@ -181,6 +192,39 @@ def _pose(plan: object, now_ns: int) -> object:
     return encode_pose(VehiclePose(now_ns, (east, north, up), 0.0))
 
 
+def memory(minutes: float) -> None:
+    """Print how the resident memory of each process grows, with the bridge and a recorder."""
+    domain = os.getpid() % 200 + 1
+    watcher = Watcher(domain)
+    poses: list[object] = []
+    watcher.node.create_subscription(PoseStamped, topics.pose(IDS[0]), poses.append, qos.sensor())
+    with graph(domain, 3600, 3600.0, "--vehicles", "sim", "--record") as out:
+        watcher.until(lambda: poses, 300.0)
+        begun_s = time.monotonic()
+        taken: dict[str, list[tuple[float, float]]] = {}
+        while (at_s := time.monotonic() - begun_s) < 60 * minutes:
+            state = json.loads((out / "status.json").read_text(encoding="utf-8"))
+            for name, node in state.items():
+                taken.setdefault(name, []).append((at_s, _resident_mb(node["pid"])))
+            watcher.spin_for(10.0)
+            poses.clear()
+    watcher.context.try_shutdown()
+    print(f"A = {UAVS}, {minutes:g} min, load {os.getloadavg()[0]:.1f}")
+    for name, samples in taken.items():
+        # The first minute still loads and compiles.
+        settled = np.array([sample for sample in samples if sample[0] >= 60.0] or samples)
+        slope = np.polyfit(settled[:, 0] / 60.0, settled[:, 1], 1)[0] if len(settled) > 1 else 0.0
+        print(
+            f"{name:<16} {settled[0, 1]:6.1f} -> {settled[-1, 1]:6.1f} MB, "
+            f"{1000 * slope:+.0f} kB a minute"
+        )
+
+
+def _resident_mb(pid: int) -> float:
+    lines = Path(f"/proc/{pid}/status").read_text(encoding="utf-8").splitlines()
+    return next(int(line.split()[1]) for line in lines if line.startswith("VmRSS")) / 1024
+
+
 def heal(kills: int, seed: int) -> None:
     """Print how long the graph takes to be whole after a kill."""
     domain = os.getpid() % 200 + 1
@@ -221,15 +265,18 @@ def _await_whole(watcher: Watcher, out: Path, name: str, pid: int, killed_s: flo
 
 
 def main() -> None:
-    """Read the command line and run one of the two."""
+    """Read the command line and run what it names."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("what", choices=["latency", "heal"])
+    parser.add_argument("what", choices=["latency", "heal", "memory"])
     parser.add_argument("--slots", type=int, default=150)
     parser.add_argument("--kills", type=int, default=50)
+    parser.add_argument("--minutes", type=float, default=10.0)
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
     if options.what == "latency":
         latency(options.slots)
+    elif options.what == "memory":
+        memory(options.minutes)
     else:
         heal(options.kills, options.seed)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import random
 
 import numpy as np
@@ -21,7 +22,8 @@ from support.fleets import at, eastward, pose
 from support.graph import Graph
 
 IDS = ("uav1", "uav2", "uav3")
-COUNT = 1500
+# JFTO_FUZZED=10000 tries more of them.
+COUNT = int(os.environ.get("JFTO_FUZZED", "1500"))
 WORDS = (b"\xff\xff\xff\xff", b"\x00\x00\x00\x7f", b"\x00\x00\x00\x00", b"9999")
 
 

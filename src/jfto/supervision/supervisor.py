@@ -15,8 +15,9 @@ from jfto.supervision.process import NodeCommand, Process, ending
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.write_file import write_file
 
-# A node ends within 2 s of SIGINT; one that does not is killed.
-PATIENCE_S = 4.0
+# A node ends within 2 s of SIGINT; on a busy computer it gets more time, since one that is killed
+# while it ends counts as unclean.
+PATIENCE_S = 10.0
 # How often logs are looked at for errors.
 _LOOK_S = 0.5
 STATUS_NAME = "status.json"
