@@ -34,6 +34,8 @@ ARGUMENTS = (
 )
 # Where the simulated vehicles send to and the bridge listens.
 SIM_LINK = "127.0.0.1:14550"
+# Where the simulated fleet takes the powers of its radios.
+SIM_CONTROL_PORT = 14551
 INPUTS_REGEX = "/[^/]+/(pose|fix|battery)"
 # As jfto_msgs_py.ros.topics has it.
 RECORDED = (
@@ -74,7 +76,8 @@ def _start(context):
         wanted = f"{INPUTS_REGEX}|/[^/]+/jfto/(path|trajectory)"
         started.append(ExecuteProcess(cmd=[*play, wanted], output="screen"))
     else:
-        started.append(_node("planner_node", given, sim_time, plan_file=given["plan"]))
+        plan = {"plan_file": given["plan"], "await_lift_off": True}
+        started.append(_node("planner_node", given, sim_time, **plan))
         started += _vehicles(given, sim_time)
     if given["record"] == "true":
         record = ["ros2", "bag", "record", "-s", "mcap", "--regex", RECORDED]
@@ -93,11 +96,14 @@ def _vehicles(given, sim_time):
     if given["backend"] == "sim":
         speedup = float(given["speedup"])
         fleet = {"endpoint": f"udpto:{SIM_LINK}", "speedup": speedup, **own}
+        fleet["control_port"] = SIM_CONTROL_PORT
+        radio = {"driver": "sim", "control": f"127.0.0.1:{SIM_CONTROL_PORT}"}
         own |= {"endpoints": [f"udpin:{SIM_LINK}"], "speedup": speedup}
         own |= {"vehicle_stamps": True, "allow_arming": True}
         return [
             _node("simulated_fleet", given, sim_time, **fleet),
             _node("mavlink_bridge", given, sim_time, **own),
+            _node("radio_node", given, sim_time, **radio),
         ]
     named = [text for text in given["vehicles"].split(",") if text]
     own["roster" if "=" in given["vehicles"] else "endpoints"] = named

@@ -115,7 +115,10 @@ def started(monkeypatch):
 @pytest.mark.parametrize(
     ("given", "nodes"),
     [
-        ({"speedup": "5"}, {"planner_node", "simulated_fleet", "mavlink_bridge"}),
+        (
+            {"speedup": "5"},
+            {"planner_node", "simulated_fleet", "mavlink_bridge", "radio_node"},
+        ),
         ({"backend": "sitl", "vehicles": "tcp:10.0.0.2:5760"}, {"planner_node", "mavlink_bridge"}),
         (
             {"backend": "real", "vehicles": "uav1=1@udpin:0.0.0.0:14550", "arm": "true"},
@@ -147,5 +150,7 @@ def test_simulated_vehicles_and_the_bridge_meet(started) -> None:
     assert fleet["endpoint"].partition(":")[2] == bridge["endpoints"][0].partition(":")[2]
     assert fleet["plan_file"] == bridge["plan_file"]
     assert fleet["speedup"] == bridge["speedup"] == 5.0
+    radio = found["radio_node"].parameters[1]
+    assert radio["control"] == f"127.0.0.1:{fleet['control_port']}"
     real = started(scenario="scene.yaml", backend="real", vehicles="udpin:0.0.0.0:14550")
     assert "allow_arming" not in real["mavlink_bridge"].parameters[1]

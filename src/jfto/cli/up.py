@@ -82,7 +82,7 @@ def command(
 
     Exit status: 0 stopped and all ended cleanly, 1 one did not, 10 the planner was given up,
     11 topology, 12 power, 13 the pose player, 14 the bridge, 15 the simulated vehicles,
-    16 the recorder.
+    16 the recorder, 17 their radios.
 
     \b
     Example:  jfto up config/demo.yaml --vehicles sim --speedup 5 --record
