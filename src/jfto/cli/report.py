@@ -18,7 +18,13 @@ def command(
     as_json: bool,
     debug: bool,  # noqa: ARG001  main() reads it
 ) -> int:
-    """Rebuild comparison, figures and report of the run in DIR from its scenario and plan."""
+    """Rebuild comparison, figures and report of the run in DIR from its scenario, plan and bag.
+
+    With a bag the flight is held against the plan: waypoints, timing, the certificate on the flown
+    tracks, network and energy as planned and as flown. Its facts go to DIR/flight.json, which
+    docs/flight.md describes.
+    """
+    from jfto.as_flown.export import flight_facts_object
     from jfto.cli.summary import print_json
     from jfto.cli.watcher import TerminalWatcher
     from jfto.pipeline import rebuild
@@ -26,7 +32,9 @@ def command(
     with TerminalWatcher(quiet=as_json) as watcher:
         outcome = rebuild(directory, watcher)
     if as_json:
-        print_json({"plan": str(outcome.plan_path), "report": str(outcome.report)})
+        facts = {"plan": str(outcome.plan_path), "report": str(outcome.report)}
+        flight = outcome.flight
+        print_json(facts | {"flight": None if flight is None else flight_facts_object(flight)})
     else:
         click.echo(f"Report      {outcome.report}")
     return 0
