@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from jfto.fleet_session import open_fleet
 from jfto_mavlink.bridge import Bridge
 from jfto_mavlink.open_vehicles import FleetRequest
 
@@ -13,6 +12,9 @@ from jfto_mavlink.open_vehicles import FleetRequest
 @contextmanager
 def open_simulated(request: FleetRequest) -> Iterator[Bridge]:
     """Simulated vehicles on the plan's pads, heard; raises RosterError."""
+    # A bridge to real vehicles, started again in mid-flight, has no time to import a simulator.
+    from jfto.fleet_session import open_fleet
+
     with open_fleet(
         [f"sim:{request.count}"],
         request.pads,

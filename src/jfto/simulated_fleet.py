@@ -11,6 +11,9 @@ from jfto_sim.server import SimServer
 from jfto_world.terrain import Dem
 from jfto_world.terrain.frame import LocalFrame
 
+# What a field team sets: home at a low battery, down at once at an empty one. ArduCopter's own
+# defaults do nothing.
+FAILSAFES = {"BATT_FS_LOW_ACT": 2.0, "BATT_FS_CRT_ACT": 1.0, "BATT_CRT_VOLT": 10.0}
 # Ground height above a pad at metres east and north of it.
 PadGround = Callable[[float, float], float]
 Place = tuple[float, float, float]
@@ -42,7 +45,7 @@ def vehicle_configs(
     gps_noise_m: float = 0.0,
     hesitations_s: Sequence[float] | None = None,
 ) -> list[VehicleConfig]:
-    """One vehicle per pad with system ids 1, 2 …, powered up at `utc_ns`.
+    """One vehicle per pad with system ids 1, 2 …, powered up at `utc_ns`, battery failsafes on.
 
     `hesitations_s` has the seconds that each stays on its pad when told to start.
     """
@@ -53,6 +56,7 @@ def vehicle_configs(
             home_lon_deg=pad[1],
             home_alt_m=pad[2],
             seed=seed + n - 1,
+            parameters=FAILSAFES,
             gps_noise_m=gps_noise_m,
             hesitation_s=0.0 if hesitations_s is None else hesitations_s[n - 1],
             utc_at_boot_us=utc_ns // 1000,

@@ -17,7 +17,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import TypeVar
 
-from jfto_mavlink.clock import Clock, ScaledClock
+from jfto_mavlink.clock import Clock, PacedClock, ScaledClock
 from jfto_mavlink.dialect import Message
 from jfto_mavlink.errors import LinkError, RosterError
 from jfto_mavlink.exchange import Activity, Context, Exchange, Report
@@ -45,14 +45,14 @@ class Bridge:
         roster: Roster,
         *,
         station: Station | None = None,
-        clock: ScaledClock | None = None,
+        clock: PacedClock | None = None,
         unix: Clock = time.time,
         signer: Signer | None = None,
         log_directory: Path | None = None,
         rates: Mapping[int, float] = DEFAULT_RATES,
         on_event: Callable[[Event], None] | None = None,
     ) -> None:
-        self.clock = clock or ScaledClock()
+        self.clock: PacedClock = clock or ScaledClock()
         self.roster = roster
         station = station or Station()
         self._ports: dict[LinkAddress, Port] = {}

@@ -23,6 +23,9 @@ class BridgeOptions:
     )
     key_file: str = param("", "MAVLink signing key; left out: unsigned.")
     log_directory: str = param("", "Where a .tlog per vehicle is written; left out: nowhere.")
+    state_file: str = param(
+        "", "Where the flight under way is kept, for after a restart; left out: nowhere."
+    )
     telemetry_rate_hz: float = param(
         10.0, "Positions and attitudes per second and UAV.", unit="Hz", low=0.5, high=50.0
     )

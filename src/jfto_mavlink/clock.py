@@ -5,8 +5,20 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Protocol
 
 Clock = Callable[[], float]
+
+
+class PacedClock(Protocol):
+    """Seconds as vehicles see them, which pass about `speedup` times faster than on the wall."""
+
+    @property
+    def speedup(self) -> float:
+        """Seconds of this clock per second of the wall's."""
+
+    def __call__(self) -> float:
+        """Seconds since some moment; never goes back."""
 
 
 @dataclass(frozen=True)

@@ -129,6 +129,7 @@ def command_seen(
 
 def set_mode(context: Context, mode: int) -> Exchange[None]:
     """Change the flight mode and see it in a heartbeat; raises CommandError."""
+    context.ordered_mode = mode
     yield from command_seen(
         context,
         mavlink.MAV_CMD_DO_SET_MODE,

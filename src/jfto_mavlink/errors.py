@@ -41,6 +41,7 @@ CODES: dict[int, str] = {
     604: "waypoint missed",
     605: "another order is being carried out",
     606: "arming is not allowed",
+    607: "state of the flight cannot be read",
     701: "key file cannot be used",
     702: "vehicle does not accept the key",
 }

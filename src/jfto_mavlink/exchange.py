@@ -53,7 +53,10 @@ Exchange = Generator[Step, Message | None, T]
 
 @dataclass
 class Context:
-    """What an exchange may know: who talks to whom, the vehicle as last heard, and the time."""
+    """What an exchange may know: who talks to whom, the vehicle as last heard, and the time.
+
+    `ordered_mode` is the mode that this station last ordered, None if it has ordered none.
+    """
 
     uav: str
     sysid: int
@@ -62,6 +65,7 @@ class Context:
     clock: Clock
     compid: int = 1
     round_trip: RoundTrip = field(default_factory=RoundTrip)
+    ordered_mode: int | None = None
 
     @property
     def target(self) -> tuple[int, int]:

@@ -68,7 +68,7 @@ class Hub:
         on_event: Callable[[Event], None] | None = None,
         lost_after_s: float = LOST_AFTER_S,
     ) -> None:
-        self._lost_after_s = lost_after_s
+        self.lost_after_s = lost_after_s
         self.roster = roster
         self.station = station or Station()
         self.foreign: Counter[tuple[str, int]] = Counter()
@@ -92,7 +92,7 @@ class Hub:
             round_trip=vehicle.time_sync.round_trip,
         )
         identity = Identity(entry.uav, entry.sysid, entry.uid)
-        return Track(entry, vehicle, identity, context, Watch(vehicle, self._lost_after_s))
+        return Track(entry, vehicle, identity, context, Watch(vehicle, self.lost_after_s))
 
     def vehicle(self, uav: str) -> Vehicle:
         """State of a vehicle; raises RosterError for a name that is not in the roster."""

@@ -5,13 +5,14 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.task import Future
@@ -20,12 +21,14 @@ from std_srvs.srv import Trigger
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 
 from jfto_mavlink.bridge import Bridge
+from jfto_mavlink.bridge_flight import BridgeFlight, Found, recognise_all
 from jfto_mavlink.bridge_link import BridgeLink
 from jfto_mavlink.bridge_options import BridgeOptions
 from jfto_mavlink.bridge_statuses import Expected, node_status, uav_status
-from jfto_mavlink.errors import MavlinkError, MissionError, RosterError
-from jfto_mavlink.exchange import Report
+from jfto_mavlink.errors import LinkError, MavlinkError, MissionError, RosterError
+from jfto_mavlink.exchange import Context, Report
 from jfto_mavlink.fleet.desk import DeskSettings, MissionDesk
+from jfto_mavlink.flight.timing import Moment
 from jfto_mavlink.guided.guided_desk import GuidedDesk
 from jfto_mavlink.guided.local_frame import MapFrame
 from jfto_mavlink.mission.build import VehicleMission, build_missions
@@ -57,6 +60,7 @@ from jfto_msgs_py.plan_file import read_plan
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.diagnostics import Status
 from jfto_msgs_py.ros.graph_node import GraphNode
+from jfto_msgs_py.ros.stamps import encode_time
 from jfto_msgs_py.ros.vehicle import decode_trajectory, encode_pose
 from jfto_msgs_py.scenario import Scenario
 from jfto_msgs_py.vehicle import VehiclePose
@@ -75,6 +79,10 @@ class Opened:
     bridge: Bridge
     maps: dict[str, MapFrame]
     desk: MissionDesk
+    flight: BridgeFlight
+
+
+News = Sample | Event | Opened | Found
 
 
 class MavlinkBridgeNode(GraphNode[BridgeOptions]):
@@ -91,7 +99,7 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
     ) -> None:
         self._open_simulated, self._ground_of = open_simulated, ground_of
         self._link: BridgeLink[Opened] | None = None
-        self._samples: deque[Sample | Event | Opened] = deque(maxlen=SAMPLES_KEPT)
+        self._samples: deque[News] = deque(maxlen=SAMPLES_KEPT)
         self._answers: deque[tuple[Future, bool, str]] = deque()
         self._waiting: list[Future] = []
         self._states: dict[str, LinkState] = {}
@@ -135,6 +143,7 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
         self._poses = per_uav(PoseStamped, topics.pose)
         self._fixes = per_uav(NavSatFix, topics.fix)
         self._batteries = per_uav(BatteryState, topics.battery)
+        self._lift_off = self.create_lifecycle_publisher(Time, topics.LIFT_OFF, qos.latched())
         for uav in ids:
             self.create_subscription(
                 MultiDOFJointTrajectory,
@@ -153,6 +162,8 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
 
     def activated(self) -> None:
         """Open the links if they are not."""
+        if self._opened is not None:
+            self._opened.flight.begin()
         if self._link is None:
             self._link = BridgeLink(self._open, self._keep, self._say)
 
@@ -191,6 +202,8 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
         scenario, options = self._scenario, self._options
         assert self._time is not None
         now_ns = self._time.now_ns
+        if options.vehicle_stamps and now_ns() == 0:
+            raise LinkError(103, "/clock is not there yet.")
         path = Path(options.plan_file)
         if not path.exists():
             raise PlanError(f"{path} is not there yet.")
@@ -211,6 +224,7 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
             rates(options),
             Path(options.log_directory) if options.log_directory else None,
             self._keep,
+            self._time if options.vehicle_stamps else None,
             self._time if options.vehicle_stamps else time.time,
         )
         if count is None:
@@ -225,9 +239,24 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
         if options.guided:
             height_m = options.takeoff_height_m
             desk = GuidedDesk(bridge, missions, settings, self._report, plan, now_ns, height_m)
+        flight = self._make_flight(bridge, missions)
         for uav, mission in missions.items():
-            bridge.start(uav, partial(listen, mission=mission, sink=self._keep))
-        return Opened(plan, bridge, maps, desk)
+            job = partial(listen, mission=mission, sink=self._keep, under_way=flight.under_way)
+            bridge.start(uav, job)
+        recognise_all(bridge, missions, self._keep)
+        return Opened(plan, bridge, maps, desk, flight)
+
+    def _make_flight(self, bridge: Bridge, missions: Mapping[str, VehicleMission]) -> BridgeFlight:
+        options = self._options
+        return BridgeFlight(
+            missions,
+            Path(options.state_file) if options.state_file else None,
+            bridge.hub.lost_after_s,
+            self.announce,
+            lambda begun_ns: self._lift_off.publish(encode_time(begun_ns)),
+            partial(self._begun_ns, bridge),
+            self._own_s,
+        )
 
     def _missions(self, plan: Plan) -> dict[str, VehicleMission]:
         options = self._options
@@ -241,7 +270,7 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
             ground = self._ground_of(self._scenario)
         return {mission.uav: mission for mission in build_missions(plan, settings, ground=ground)}
 
-    def _keep(self, news: Sample | Event | Opened) -> None:
+    def _keep(self, news: News) -> None:
         """Hand news to the executor; called in other threads."""
         self._samples.append(news)
         self._wake()
@@ -271,16 +300,22 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
             opened = self._opened
             if isinstance(news, LinkState):
                 self._states[news.uav] = news
+                if opened is not None:
+                    opened.flight.take(news)
+            elif isinstance(news, Found):
+                if opened is not None:
+                    opened.flight.found(news)
             elif isinstance(news, Event):
                 self.get_logger().info(f"{news.uav}: {news.text}")
             elif isinstance(news, Opened):
+                news.flight.begin()
                 for uav in list(self._trajectories):
                     self._pass_on(uav)
             elif opened is not None and self.is_active:
                 self._publish(opened, news)
 
     def _publish(self, opened: Opened, sample: Measurement) -> None:
-        stamp_ns = self._stamp_ns(opened, sample)
+        stamp_ns = self._stamp_ns(opened.bridge, sample)
         if stamp_ns is None or stamp_ns < 0:
             # Simulated time has not begun.
             return
@@ -296,12 +331,25 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
         elif isinstance(sample, BatterySample):
             self._batteries[sample.uav].publish(encode_battery(sample, stamp_ns))
 
-    def _stamp_ns(self, opened: Opened, sample: Measurement) -> int | None:
+    def _begun_ns(self, bridge: Bridge, moment: Moment) -> int | None:
+        """Time zero of the flight: what is streamed has it in its stamps."""
+        if self._options.guided:
+            return min((t.start_ns for t in self._trajectories.values()), default=None)
+        return self._stamp_ns(bridge, moment)
+
+    def _own_s(self, context: Context, at_ns: int) -> float | None:
+        """A time of this node on a vehicle's own clock; called in the bridge's thread."""
+        vehicle = context.vehicle
+        if self._options.vehicle_stamps:
+            return vehicle.boot_s(at_ns)
+        gone_s = (self.now_ns() - at_ns) / 1e9 * self._options.speedup
+        return vehicle.own_time_s(context.clock()) - gone_s
+
+    def _stamp_ns(self, bridge: Bridge, sample: Measurement | Moment) -> int | None:
         """When a sample was true on the node's clock; None while nobody can tell."""
         if self._options.vehicle_stamps:
             return sample.utc_ns
-        clock = opened.bridge.clock
-        age_s = max(clock() - sample.at_s, 0.0) / clock.speedup
+        age_s = max(bridge.clock() - sample.at_s, 0.0) / bridge.clock.speedup
         return self.now_ns() - round(age_s * 1e9)
 
     def _on_trajectory(self, uav: str, message: Any) -> None:

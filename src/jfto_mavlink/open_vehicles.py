@@ -10,7 +10,7 @@ from pathlib import Path
 
 from jfto_mavlink.bridge import Bridge
 from jfto_mavlink.bridge_options import BridgeOptions
-from jfto_mavlink.clock import Clock, ScaledClock
+from jfto_mavlink.clock import Clock, PacedClock
 from jfto_mavlink.dialect import mavlink
 from jfto_mavlink.errors import RosterError
 from jfto_mavlink.link.key_file import StampFile, read_key
@@ -27,7 +27,8 @@ SIMULATED = "sim:"
 class FleetRequest:
     """What is to be opened. `pads` holds latitude, longitude and height of each UAV's pad.
 
-    `unix` is UTC as the vehicles should have it.
+    `clock` is what their silences are counted on, None for the wall's; `unix` is UTC as they should
+    have it.
     """
 
     plan: Plan
@@ -37,6 +38,7 @@ class FleetRequest:
     rates: Mapping[int, float]
     log_directory: Path | None
     on_event: Callable[[Event], None]
+    clock: PacedClock | None = None
     unix: Clock = time.time
 
 
@@ -109,7 +111,7 @@ def open_real(
     return stack.enter_context(
         Bridge(
             roster,
-            clock=ScaledClock(request.speedup),
+            clock=request.clock,
             unix=request.unix,
             signer=signer,
             log_directory=request.log_directory,

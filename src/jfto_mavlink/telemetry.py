@@ -6,13 +6,15 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from jfto_mavlink.dialect import MODES, Message, mavlink
+from jfto_mavlink.dialect import Message, mavlink
 from jfto_mavlink.exchange import Context, Exchange, Wait
-from jfto_mavlink.flight.follow import Follower
-from jfto_mavlink.flight.start import AIRBORNE
+from jfto_mavlink.flight.timing import FlightTiming, Moment, UnderWay
 from jfto_mavlink.mission.build import VehicleMission
 
 STATE_EVERY_S = 0.5
+# Why a vehicle has changed its mode stands in texts that it sends just before.
+TEXTS_S = 5.0
+ON_GROUND = mavlink.MAV_LANDED_STATE_ON_GROUND
 # A time stamp further off than this cannot be explained by delay: clocks have jumped.
 DELAY_MAX_S = 5.0
 UNKNOWN_HEADING = 65535
@@ -66,7 +68,13 @@ class BatterySample:
 
 @dataclass(frozen=True)
 class LinkState:
-    """How the link and the vehicle are. `late_s` is of the last waypoint reached."""
+    """How the link and the vehicle are. `late_s` is of the last waypoint reached.
+
+    `in_flight` is False until the vehicle is known to be armed and off the ground, `ordered` says
+    whether this station ordered its mode, `place` is latitude, longitude (degrees) and metres above
+    home. `texts` are the vehicle's complaints of the last seconds, `begun` is time zero of its
+    flight.
+    """
 
     uav: str
     at_s: float
@@ -83,6 +91,14 @@ class LinkState:
     reached: int
     waypoint_id: int | None
     late_s: float | None
+    in_flight: bool = False
+    ordered: bool = True
+    gps_fix: int | None = None
+    battery_v: float | None = None
+    battery_percent: int | None = None
+    place: tuple[float, float, float] = (math.nan,) * 3
+    texts: tuple[str, ...] = ()
+    begun: Moment | None = None
 
     @property
     def clock_error_s(self) -> float | None:
@@ -98,29 +114,27 @@ Sample = Measurement | LinkState
 
 
 def listen(
-    context: Context, mission: VehicleMission, sink: Callable[[Sample], None]
+    context: Context,
+    mission: VehicleMission,
+    sink: Callable[[Sample], None],
+    under_way: UnderWay | None = None,
 ) -> Exchange[None]:
-    """Hand all that a vehicle reports to `sink`, for ever. Times its route from its lift-off."""
-    vehicle = context.vehicle
-    # The last flight's stays until the next.
-    follower: Follower | None = None
-    flying, next_s = False, context.clock()
+    """Hand all that a vehicle reports to `sink`, for ever. Times its route from its lift-off.
+
+    `under_way` tells when a flight began that an earlier run of this program started; a vehicle
+    that is in the air when it is first seen is on that flight.
+    """
+    timing = FlightTiming(context, mission, under_way)
+    next_s = context.clock()
     while True:
         now_s = context.clock()
         if now_s >= next_s:
             next_s = now_s + STATE_EVERY_S
-            sink(_state(context, follower))
+            sink(_state(context, timing))
         message = yield Wait(next_s)
         if message is None:
             continue
-        own_s = vehicle.own_time_s(context.clock())
-        airborne = vehicle.armed and vehicle.landed_state in AIRBORNE
-        if not flying and airborne and vehicle.mode in (MODES["AUTO"], MODES["GUIDED"]):
-            flying, follower = True, Follower(mission, own_s)
-        elif not vehicle.armed:
-            flying = False
-        if flying and follower is not None:
-            follower.take(message, own_s)
+        timing.take(message)
         decode = _DECODERS.get(message.get_type())
         sample = None if decode is None else decode(context, message)
         if sample is not None:
@@ -139,13 +153,13 @@ def measured_s(context: Context, boot_s: float) -> float:
     return at_s if now_s - at_s <= DELAY_MAX_S else now_s
 
 
-def _state(context: Context, follower: Follower | None) -> LinkState:
-    vehicle, sync = context.vehicle, context.vehicle.time_sync
-    passed = [] if follower is None else follower.record.passages[: follower.done]
+def _state(context: Context, timing: FlightTiming) -> LinkState:
+    vehicle, sync, now_s = context.vehicle, context.vehicle.time_sync, context.clock()
+    passed = timing.passed
     return LinkState(
         context.uav,
-        context.clock(),
-        vehicle.silent_s(context.clock()),
+        now_s,
+        vehicle.silent_s(now_s),
         vehicle.mode_name,
         vehicle.armed,
         vehicle.prearm_ok,
@@ -158,6 +172,14 @@ def _state(context: Context, follower: Follower | None) -> LinkState:
         len(passed),
         passed[-1].waypoint_id if passed else None,
         passed[-1].late_s if passed else None,
+        vehicle.armed and (vehicle.landed_state or ON_GROUND) != ON_GROUND,
+        vehicle.mode == context.ordered_mode,
+        vehicle.gps_fix,
+        vehicle.battery_v,
+        vehicle.battery_percent,
+        (vehicle.lat_deg, vehicle.lon_deg, vehicle.height_m),
+        tuple(vehicle.texts_since(now_s - TEXTS_S, mavlink.MAV_SEVERITY_NOTICE)),
+        timing.begun,
     )
 
 

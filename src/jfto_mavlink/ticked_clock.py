@@ -20,7 +20,7 @@ class TickedClock:
         from rclpy.clock import JumpThreshold
         from rclpy.duration import Duration
 
-        self._clock, self._speedup = clock, speedup
+        self._clock, self.speedup = clock, speedup
         self._tick = (self._now_ns(), time.monotonic())
         self._last_ns = 0
         every = JumpThreshold(
@@ -35,7 +35,7 @@ class TickedClock:
         tick_ns, at_s = self._tick
         if tick_ns == 0:
             return 0
-        ahead_s = min(time.monotonic() - at_s, AHEAD_MAX_S) * self._speedup
+        ahead_s = min(time.monotonic() - at_s, AHEAD_MAX_S) * self.speedup
         self._last_ns = max(self._last_ns, tick_ns + round(ahead_s * NS))
         return self._last_ns
 

@@ -142,6 +142,12 @@ class Vehicle:
             return None
         return self.utc_at_boot_us * 1000 + round(boot_s * 1e9)
 
+    def boot_s(self, utc_ns: int) -> float | None:
+        """The vehicle's own clock at a time in UTC as it has it; None while it has told none."""
+        if self.utc_at_boot_us is None:
+            return None
+        return (utc_ns - self.utc_at_boot_us * 1000) / 1e9
+
     def silent_s(self, now_s: float) -> float:
         """Seconds without a heartbeat; infinite if there never was one."""
         return math.inf if self.heartbeat_s is None else now_s - self.heartbeat_s

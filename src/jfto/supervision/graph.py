@@ -14,6 +14,7 @@ from jfto.supervision.process import NodeCommand
 
 LIFT_OFF_NAME = "lift_off.json"
 ENERGY_NAME = "energy.json"
+FLIGHT_NAME = "flight_state.json"
 BAG_NAME = "bag"
 TLOGS = "tlogs"
 # In the order in which they are started: the recorder hears all, and the bridge goes first at the
@@ -35,7 +36,7 @@ class GraphOptions:
     """What is run and with which parameters of its own, besides the scenario's.
 
     `plan` is the plan file, which the planner makes if it is not there; `parameters` holds further
-    ones by node. What must outlive a restart, lift-off and energy, is kept in `directory`.
+    ones by node. What must outlive a restart, lift-off, energy and flight, is kept in `directory`.
 
     `play_poses` has planned positions played as poses; `bridge` has vehicles spoken with, and
     `simulate` simulates them, whose time the whole graph then keeps. `record` writes a bag.
@@ -77,6 +78,7 @@ def graph_commands(options: GraphOptions) -> list[NodeCommand]:
         own["mavlink_bridge"] = {
             "plan_file": options.plan,
             "log_directory": options.directory / TLOGS,
+            "state_file": options.directory / FLIGHT_NAME,
         }
     for name, values in (options.parameters or {}).items():
         # A section for a node that is not run is for other backends.

@@ -56,16 +56,19 @@ class FlightRecord:
 
 
 class Follower:
-    """Takes a vehicle's messages and keeps its flight record."""
+    """Takes a vehicle's messages and keeps its flight record.
 
-    def __init__(self, mission: VehicleMission, lift_off_s: float) -> None:
+    The first `passed` waypoints were passed before, nobody here knows when.
+    """
+
+    def __init__(self, mission: VehicleMission, lift_off_s: float, passed: int = 0) -> None:
         self.mission = mission
         self.lift_off_s = lift_off_s
         self.record = FlightRecord(
             mission.uav,
             [Passage(i, at) for i, at in zip(mission.waypoint_ids, mission.arrival_s, strict=True)],
         )
-        self._next = 0
+        self._next = passed
         self._last_place: Place | None = None
 
     def take(self, message: Message, now_s: float) -> list[str]:

@@ -49,6 +49,7 @@ def start(context: Context, line: StartLine) -> Exchange[float]:
     yield from line_up(context, line)
     yield Report("starts its mission")
     vehicle = context.vehicle
+    context.ordered_mode = MODES["AUTO"]
     yield from command_seen(
         context,
         mavlink.MAV_CMD_MISSION_START,

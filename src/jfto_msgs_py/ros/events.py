@@ -29,6 +29,11 @@ KINDS = {
     "link": "the link to a vehicle broke, or is back",
     "restart": "a node died and was started again",
     "lift_off": "the flight began",
+    "mode": "a vehicle changed its flight mode, which nobody ordered here",
+    "fence": "a vehicle left its fence",
+    "failsafe": "another failsafe of a vehicle acted",
+    "done": "a UAV has passed all its waypoints",
+    "unvisited": "a UAV has left its mission, and waypoints with it",
     "landed": "a UAV, or the fleet, is down and disarmed",
 }
 

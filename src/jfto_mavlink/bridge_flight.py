@@ -1,0 +1,167 @@
+"""The flight as the bridge keeps it: told to the operator, on disk, and found again after a death.
+
+Its methods run in the node's executor, `under_way` in the bridge's thread.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from jfto_mavlink.bridge import Bridge
+from jfto_mavlink.errors import FlightError
+from jfto_mavlink.exchange import Context
+from jfto_mavlink.fleet.book import FlightBook, read_book, write_book
+from jfto_mavlink.fleet.monitor import FlightMonitor
+from jfto_mavlink.flight.recognise import Recognised, recognise
+from jfto_mavlink.flight.timing import Moment, UnderWay
+from jfto_mavlink.mission.build import VehicleMission
+from jfto_mavlink.telemetry import LinkState
+from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.ros.events import ERROR, WARN
+
+# A vehicle that is not heard for so many times what makes it lost is not waited for.
+HEARD_WAIT_TIMES = 3.0
+# Level, kind, UAV or "" and the line.
+Announce = Callable[[int, str, str, str], None]
+
+
+@dataclass(frozen=True)
+class Found:
+    """What all vehicles were found doing when the bridge began."""
+
+    by_uav: Mapping[str, Recognised]
+
+
+def recognise_all(
+    bridge: Bridge, missions: Mapping[str, VehicleMission], done: Callable[[Found], None]
+) -> None:
+    """Find out which vehicles fly and what; `done` is called in the bridge's thread."""
+    found: dict[str, Recognised] = {}
+
+    def note(uav: str, future: Future[Recognised]) -> None:
+        error = future.exception()
+        found[uav] = Recognised(heard=False) if error is not None else future.result()
+        if len(found) == len(missions):
+            done(Found({uav: found[uav] for uav in missions}))
+
+    wait_s = HEARD_WAIT_TIMES * bridge.hub.lost_after_s
+    for uav, mission in missions.items():
+        job = partial(recognise, mission=mission.mission, heard_wait_s=wait_s)
+        future = bridge.start(uav, job)
+        future.add_done_callback(partial(note, uav))
+
+
+class BridgeFlight:
+    """Watches a fleet's flight.
+
+    `path` is the flight's book on disk, None for none. `stamp_ns` puts a moment on the graph's
+    clock, `own_s` that clock (ns) on a vehicle's own; both give None while they cannot. `lift_off`
+    is called with the fleet's time zero once it is known.
+    """
+
+    def __init__(
+        self,
+        missions: Mapping[str, VehicleMission],
+        path: Path | None,
+        lost_after_s: float,
+        announce: Announce,
+        lift_off: Callable[[int], None],
+        stamp_ns: Callable[[Moment], int | None],
+        own_s: Callable[[Context, int], float | None],
+    ) -> None:
+        self._path, self._announce, self._lift_off = path, announce, lift_off
+        self._stamp_ns, self._own_s = stamp_ns, own_s
+        self._trouble = ""
+        # What the book says counts once somebody is found in the air.
+        self._flies = False
+        self._stamped: Moment | None = None
+        digests = {uav: mission.digest for uav, mission in missions.items()}
+        book = self._last_book(digests)
+        self._book = FlightBook(digests) if book is None or book.over else book
+        self.monitor = FlightMonitor(
+            missions,
+            under_way=self._book.begun_ns is not None,
+            ended=self._book.ended,
+            lost_after_s=lost_after_s,
+        )
+
+    def begin(self) -> None:
+        """Say what could not be said before there was an executor, and when the flight began."""
+        if self._trouble:
+            self._announce(WARN, "restart", "", self._trouble)
+            self._trouble = ""
+        if self._flies and self._book.begun_ns is not None:
+            self._lift_off(self._book.begun_ns)
+
+    @property
+    def under_way(self) -> UnderWay | None:
+        """Time zero, on a vehicle's own clock, of the flight that an earlier bridge began."""
+        begun_ns = self._book.begun_ns
+        if begun_ns is None:
+            return None
+        return lambda context: self._own_s(context, begun_ns)
+
+    def take(self, state: LinkState) -> None:
+        """Tell what a vehicle's state brings, and keep it."""
+        for notice in self.monitor.take(state):
+            self._announce(notice.level, notice.kind, notice.uav, notice.text)
+        self._keep()
+
+    def found(self, news: Found) -> None:
+        """Say what was found in the air at the beginning; nothing where all was on the ground."""
+        found = news.by_uav
+        flying = {uav: one for uav, one in found.items() if one.mode}
+        if not flying:
+            return
+        self._flies = True
+        if self._book.begun_ns is not None:
+            self._lift_off(self._book.begun_ns)
+        same = [uav for uav, one in flying.items() if one.mode == "AUTO" and not one.differs]
+        silent = [uav for uav, one in found.items() if not one.heard]
+        words = [f"{', '.join(same)} on the plan's mission, as read back"] if same else []
+        words += [
+            f"{uav} in {one.mode}"
+            if not one.differs
+            else f"{uav} in {one.mode} with a mission that is not the plan's ({one.differs})"
+            for uav, one in flying.items()
+            if uav not in same
+        ]
+        words += [f"{', '.join(silent)} not heard"] if silent else []
+        text = (
+            f"The bridge was started in mid-flight: {'; '.join(words)}. Nothing was uploaded, "
+            "changed or disarmed; poses and orders go on."
+        )
+        self._announce(WARN if same == list(flying) and not silent else ERROR, "restart", "", text)
+
+    def _last_book(self, digests: Mapping[str, str]) -> FlightBook | None:
+        if self._path is None:
+            return None
+        try:
+            return read_book(digests, self._path)
+        except FlightError as error:
+            self._trouble = str(error)
+            return None
+
+    def _keep(self) -> None:
+        """Publish a new time zero and write what is new."""
+        monitor, before = self.monitor, self._book
+        begun_ns = before.begun_ns if monitor.lifted else None
+        if monitor.begun is not None and monitor.begun is not self._stamped:
+            begun_ns = self._stamp_ns(monitor.begun)
+            self._stamped = None if begun_ns is None else monitor.begun
+        book = FlightBook(before.digests, begun_ns, monitor.ended, monitor.over)
+        if book == before:
+            return
+        self._book = book
+        if self._path is not None:
+            try:
+                write_book(book, self._path)
+            except InputError as error:
+                self._announce(WARN, "restart", "", str(error))
+        if begun_ns is not None and begun_ns != before.begun_ns:
+            self._flies = True
+            self._lift_off(begun_ns)

@@ -1,0 +1,141 @@
+"""What an operator is told of flights that go well and of flights that do not."""
+
+from __future__ import annotations
+
+import pytest
+
+from jfto_mavlink.dialect import MODES
+from jfto_mavlink.fleet.fly import FlySettings, start_fleet
+from jfto_mavlink.fleet.release import deliver_to_fleet
+from jfto_mavlink.flight.control import pause, return_home
+from jfto_msgs_py.ros.events import INFO
+from jfto_sim import LinkFaults
+from support.watched_flight import READY_S, Flight
+
+CUT = LinkFaults(cut=True)
+CLEAN = LinkFaults()
+
+
+@pytest.fixture
+def flight(plan):
+    return Flight(plan)
+
+
+def test_a_flight_without_faults_is_told_from_lift_off_to_landing(flight):
+    """Lift-off, all waypoints passed, each landing, the end; nothing that is bad."""
+    flight.start()
+    assert flight.told("lift_off", "") == ["Lift-off: uav1, uav2."]
+    assert flight.until("landed", "", 300.0) == (
+        "The flight is over: uav1 landed on its pad; uav2 landed on its pad."
+    )
+    assert flight.told("done", "uav1") == [
+        "uav1 has passed all its waypoints and ends its mission."
+    ]
+    assert [n.kind for n in flight.notices if n.level > INFO] == []
+    assert len(flight.notices) == 6
+
+
+def test_a_killed_vehicle_is_lost_and_the_others_fly_on(flight):
+    """One line says where it was last; its waypoints are named; the flight still has an end."""
+    flight.start()
+    flight.runner.advance(20.0)
+    flight.vehicles["uav2"].kill()
+    text = flight.until("vehicle", "uav2", 20.0)
+    assert text.startswith("uav2 is lost: not heard for 5 s, last in AUTO at 47.39")
+    assert text.endswith("; uav1 flies on.")
+    assert flight.told("unvisited", "uav2") == [
+        "uav2 leaves waypoints 2, 4: nobody takes them over."
+    ] or flight.told("unvisited", "uav2") == ["uav2 leaves waypoints 4: nobody takes them over."]
+    end = flight.until("landed", "", 300.0)
+    assert "uav1 landed on its pad; uav2 declared lost, last heard at 47.39" in end
+
+
+def test_a_low_battery_brings_a_vehicle_home(flight):
+    """Its own failsafe does; the line says so, once."""
+    flight.start()
+    flight.runner.advance(10.0)
+    flight.vehicles["uav1"].params.store("SIM_BATT_VOLTAGE", 10.4)
+    text = flight.until("battery", "uav1", 20.0)
+    assert text.startswith("uav1 says battery 1 is low 10.40V used")
+    assert text.endswith("by itself it returns home; uav2 flies on.")
+    assert "landed on its pad; uav2 landed on its pad" in flight.until("landed", "", 300.0)
+    assert len(flight.told("battery", "uav1")) == 1
+
+
+def test_a_battery_without_a_failsafe_is_told_too(flight):
+    """Nobody acts then, and the line says that."""
+    flight.start()
+    flight.vehicles["uav1"].params.store("BATT_FS_LOW_ACT", 0.0)
+    flight.vehicles["uav1"].params.store("SIM_BATT_VOLTAGE", 10.4)
+    text = flight.until("battery", "uav1", 30.0)
+    assert "no failsafe has acted: it flies on in AUTO; uav2 flies on." in text
+
+
+def test_lost_gps_is_told_when_it_goes_and_when_the_vehicle_lands(flight):
+    """ArduCopter lands where it is after 8 s; that is not its pad."""
+    flight.start()
+    flight.runner.advance(25.0)
+    flight.vehicles["uav1"].params.store("SIM_GPS_DISABLE", 1.0)
+    assert flight.until("gps", "uav1", 5.0) == (
+        "uav1 has lost its GPS: it flies on in AUTO until its own failsafe lands it; uav2 flies on."
+    )
+    assert flight.runner.until(lambda: len(flight.told("gps", "uav1")) == 2, 12.0)
+    assert (
+        "uav1 has lost its position: by itself it lands where it is at"
+        in (flight.told("gps", "uav1")[1])
+    )
+    end = flight.until("landed", "", 300.0)
+    assert "uav1 landed" in end
+    assert "m from its pad at 47.39" in end
+
+
+def test_a_mode_that_this_station_ordered_is_no_news(flight):
+    """Pause and return are; another station's LOITER is."""
+    flight.start()
+    flight.runner.run({"uav1": pause})
+    flight.runner.run({"uav1": return_home})
+    flight.runner.advance(3.0)
+    assert [n.kind for n in flight.notices] == ["lift_off"]
+    flight.vehicles["uav2"].set_mode(MODES["LOITER"])
+    flight.runner.advance(3.0)
+    (text,) = flight.told("mode", "uav2")
+    assert text == (
+        "uav2 changed its mode, which nobody ordered here: by itself it is in LOITER; order abort "
+        "to bring it home."
+    )
+
+
+def test_a_vehicle_that_is_heard_again_flies_on(flight):
+    """Lost for a while, then back on its mission: two lines, and it lands like the others."""
+    flight.start()
+    flight.runner.advance(10.0)
+    flight.runner.air.set_faults(2, CUT, CUT)
+    flight.until("vehicle", "uav2", 20.0)
+    flight.runner.air.set_faults(2, CLEAN, CLEAN)
+    assert flight.runner.until(lambda: len(flight.told("vehicle", "uav2")) == 2, 10.0)
+    assert flight.told("vehicle", "uav2")[1].startswith("uav2 is heard again, in AUTO at 47.39")
+    assert flight.until("landed", "", 300.0).endswith("uav2 landed on its pad.")
+
+
+def test_a_vehicle_that_stays_on_the_ground_is_named(flight):
+    """The others' lift-off does not wait for it for ever."""
+    flight.runner.advance(READY_S)
+    mission = {"uav1": flight.missions["uav1"]}
+    sent = {u: m.mission for u, m in flight.missions.items()}
+    release = deliver_to_fleet(flight.runner, sent).release()
+    one = type(release)({"uav1": release.missions["uav1"]}, {"uav1": release.digests["uav1"]})
+    start_fleet(flight.runner, flight.runner.clock, one, mission, FlySettings())
+    assert flight.until("lift_off", "", 20.0) == "Lift-off: uav1; uav2 stayed on the ground."
+
+
+def test_a_second_flight_has_a_lift_off_of_its_own(flight):
+    """The end of one flight is not that of the next."""
+    flight.start()
+    flight.runner.run(dict.fromkeys(flight.missions, return_home))
+    flight.until("landed", "", 200.0)
+    first = flight.monitor.begun
+    flight.notices.clear()
+    flight.start()
+    assert flight.told("lift_off", "") == ["Lift-off: uav1, uav2."]
+    assert flight.monitor.begun.at_s > first.at_s + 30.0
+    assert flight.monitor.ended == {}
