@@ -79,6 +79,7 @@ def command(
     from jfto_mavlink.fleet.fly import FlySettings, fly_fleet
     from jfto_mavlink.fleet.release import deliver_to_fleet
     from jfto_mavlink.flight.preflight import GateSettings
+    from jfto_world.motion.arducopter.takeoff import SPOOL_UP_S
 
     built = build(plan, choices, tuple(k - 1 for k in gates), 0.0 if gates else None)
     missions = built.missions
@@ -104,7 +105,9 @@ def command(
             click.confirm(f"Start {len(missions)} vehicles?", abort=True)
         slot_s = built.plan.slots.duration_s
         checks = GateSettings(utc_error_max_s=slot_s / 4 if gates else None)
-        settings = FlySettings(stagger, start_at_s, checks)
+        # Times count from lift-off, to which the rotors take their time from the start on.
+        begin_s = None if start_at_s is None else start_at_s - SPOOL_UP_S
+        settings = FlySettings(stagger, begin_s, checks)
         try:
             records = fly_fleet(
                 session.runner, session.clock, release, missions, settings, screen.report

@@ -24,6 +24,8 @@ from jfto_mavlink.mission.limits import check_limits
 from jfto_mavlink.mission.settings import MissionSettings
 from jfto_mavlink.mission.stored import mission_hash
 from jfto_msgs_py.plan import Plan, Route, Uav, Waypoint
+from jfto_world.motion import MotionLimits
+from jfto_world.motion.arducopter import ArduCopter
 from jfto_world.terrain.frame import LocalFrame
 
 # Of a wanted 2 m, a radius of 2 m used 0.9 to 2.4 m in flights on slopes.
@@ -127,7 +129,7 @@ def _build_one(
         tuple(items),
         fence_items(fence),
         rally_items(rally),
-        _parameters(settings, fence_heights_m),
+        _parameters(uav, plan, settings, fence_heights_m),
     )
     return VehicleMission(
         uav.id,
@@ -141,11 +143,30 @@ def _build_one(
 
 
 def _parameters(
-    settings: MissionSettings, fence_heights_m: tuple[float, float] | None
+    uav: Uav,
+    plan: Plan,
+    settings: MissionSettings,
+    fence_heights_m: tuple[float, float] | None,
 ) -> tuple[tuple[str, float], ...]:
-    """Settings of the autopilot: how far corners may be cut, and the fence's floor and ceiling."""
+    """Settings of the autopilot: all that the plan's times rely on, and the fence's heights.
+
+    Without times of a mission (another time model) only how far corners may be cut.
+    """
     # The target passes a waypoint within this radius; the vehicle follows it a little more widely.
-    found = [("WPNAV_RADIUS", float(round(settings.pass_within_m * RADIUS_SHARE * 100)))]
+    radius_m = settings.pass_within_m * RADIUS_SHARE
+    found = [("WPNAV_RADIUS", float(round(100 * radius_m)))]
+    if plan.time_model == "arducopter":
+        limits = MotionLimits(uav.speed_mps, uav.climb_mps, uav.descent_mps)
+        wpnav = ArduCopter.of_parameters(plan.time_parameters).wpnav.within(limits)
+        if wpnav.radius_m > radius_m + 0.005:
+            raise MissionError(
+                303,
+                f"{uav.id}: its plan is timed with corners cut by {wpnav.radius_m:g} m, but "
+                f"waypoints are to be passed within {settings.pass_within_m:g} m, which takes "
+                f"{radius_m:g} m. Allow {wpnav.radius_m / RADIUS_SHARE:.3g} m, or plan anew with "
+                f"trajectory.wpnav_radius_m {radius_m:g}.",
+            )
+        found = list(wpnav.as_parameters().items())
     if fence_heights_m is not None:
         found += [("FENCE_ALT_MIN", fence_heights_m[0]), ("FENCE_ALT_MAX", fence_heights_m[1])]
     return tuple(found)

@@ -204,3 +204,28 @@ def test_how_close_waypoints_are_passed_is_a_parameter_that_rides_along(plan):
         "FENCE_ALT_MIN": -10.0,
         "FENCE_ALT_MAX": 90.0,
     }
+
+
+def test_all_that_the_times_of_a_mission_rely_on_rides_along(plan):
+    """Speeds of each UAV and the planner's parameters as planned, in the autopilot's units."""
+    timed = dataclasses.replace(
+        plan,
+        time_model="arducopter",
+        time_parameters={"radius_m": 1.2, "jerk_mps3": 2.0, "angle_max_deg": 25.0},
+    )
+    sent = dict(build_missions(timed, MissionSettings())[0].mission.parameters)
+    assert sent["WPNAV_SPEED"] == 100 * timed.uavs[0].speed_mps
+    assert sent["WPNAV_SPEED_UP"] == 100 * timed.uavs[0].climb_mps
+    assert (sent["WPNAV_RADIUS"], sent["WPNAV_JERK"], sent["ANGLE_MAX"]) == (120.0, 2.0, 2500)
+    assert (sent["WPNAV_ACCEL"], sent["WPNAV_ACCEL_Z"], sent["ATC_INPUT_TC"]) == (
+        250.0,
+        100.0,
+        0.15,
+    )
+
+
+def test_waypoints_cannot_be_passed_nearer_than_planned(plan):
+    """A plan timed with wide corners does not hold for narrow ones: MissionError says so."""
+    timed = dataclasses.replace(plan, time_model="arducopter", time_parameters={"radius_m": 1.2})
+    with pytest.raises(MissionError, match=r"trajectory.wpnav_radius_m 0.6"):
+        build_missions(timed, MissionSettings(pass_within_m=1.0))

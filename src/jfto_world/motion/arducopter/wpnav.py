@@ -61,17 +61,22 @@ class WpNav:
     def as_parameters(self) -> dict[str, float]:
         """The autopilot's parameters (cm, degrees · 100) that make it fly as modelled."""
         return {
-            "WPNAV_SPEED": 100.0 * self.speed_mps,
-            "WPNAV_SPEED_UP": 100.0 * self.speed_up_mps,
-            "WPNAV_SPEED_DN": 100.0 * self.speed_dn_mps,
-            "WPNAV_ACCEL": 100.0 * self.accel_mps2,
-            "WPNAV_ACCEL_Z": 100.0 * self.accel_z_mps2,
-            "WPNAV_ACCEL_C": 100.0 * self.corner_accel_mps2,
+            "WPNAV_SPEED": _centi(self.speed_mps),
+            "WPNAV_SPEED_UP": _centi(self.speed_up_mps),
+            "WPNAV_SPEED_DN": _centi(self.speed_dn_mps),
+            "WPNAV_ACCEL": _centi(self.accel_mps2),
+            "WPNAV_ACCEL_Z": _centi(self.accel_z_mps2),
+            "WPNAV_ACCEL_C": _centi(self.corner_accel_mps2),
             "WPNAV_JERK": self.jerk_mps3,
-            "WPNAV_RADIUS": 100.0 * self.radius_m,
+            "WPNAV_RADIUS": _centi(self.radius_m),
             "ATC_INPUT_TC": self.input_tc_s,
-            "ANGLE_MAX": 100.0 * self.angle_max_deg,
+            "ANGLE_MAX": round(100.0 * self.angle_max_deg),
         }
+
+
+def _centi(value: float) -> float:
+    """Hundredths without the dust of binary fractions."""
+    return round(100.0 * value, 6)
 
 
 @dataclass(frozen=True)
