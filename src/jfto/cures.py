@@ -33,6 +33,8 @@ def cures(plan: Plan) -> tuple[str, ...]:
     if "total_length" in kinds:
         over = _worst(certificate, "total_length")
         found.append(f"length_max_m at least {math.ceil(over.value)} m")
+    if "clearance" in kinds:
+        found.append("a higher lift-off (trajectory.takeoff_m), other pads, or less clearance_m")
     if "separation" in kinds:
         closest = min(v.value for v in certificate.violations if v.kind == "separation")
         found.append(f"d_min_m {math.floor(closest)} m or less")

@@ -19,6 +19,7 @@ from jfto_msgs_py.plan import Plan, Uav, Vector
 from jfto_msgs_py.plan_file import read_plan, rounded, rounded_record, rounded_waypoint
 from jfto_msgs_py.scenario import Scenario
 from jfto_msgs_py.units import dbm_to_w
+from jfto_planner.low_legs import low_legs
 from jfto_planner.routing import (
     Estimated,
     RoutingProblem,
@@ -28,6 +29,7 @@ from jfto_planner.routing import (
     search,
 )
 from jfto_planner.routing.assess import Routes
+from jfto_planner.routing.certificate_ground import GroundRule
 from jfto_planner.starts import check_starts, choose_starts, place_pads
 from jfto_world.motion import MotionLimits
 from jfto_world.radio import make_channel
@@ -39,6 +41,8 @@ Array = NDArray[np.float64]
 ROUNDS, LATER_SHARE = 4, 4
 # Leg estimates are corrected by the routes of a search that tries so much fewer moves.
 CALIBRATION_SHARE = 16
+# Of the height of lift-off, what a first leg must keep above the ground until it is high enough.
+START_SHARE = 0.5
 
 
 @dataclass(frozen=True)
@@ -78,6 +82,7 @@ def plan_routes(
         # A flight in steps may come out a step later for a point a nanometre off.
         found = replace(found, waypoints=tuple(map(rounded_waypoint, found.waypoints)))
     problem = routing_problem(scenario, found)
+    ground = _ground_rule(scenario, found)
     warm = None if warm_start is None else _warm_routes(warm_start, found, problem)
     watcher.begin("routes", "comparing leg times with flights")
     problem, stopped, warm = _calibrated(scenario, found, problem, flight, warm)
@@ -94,7 +99,7 @@ def plan_routes(
         )
         watcher.begin("routes", "checking with independent code")
         plan = _as_flown(scenario, found, problem, flight, result.routes)
-        plan = replace(plan, certificate=certify_plan(plan))
+        plan = replace(plan, certificate=certify_plan(plan, ground))
         stopped |= result.stopped_by == "user"
         planned = Planned(plan, stopped, float(expected_s(problem, result.routes).max()))
         if best is None or planned.faults < best.faults:
@@ -162,12 +167,12 @@ def _as_flown(
     )
 
 
-def certify_plan(plan: Plan) -> Certificate:
-    """Check a plan from its positions, energy included."""
+def certify_plan(plan: Plan, ground: GroundRule | None = None) -> Certificate:
+    """Check a plan from its positions, energy included, and height where the ground is known."""
     floor = energy_floor_of(
         plan.radio, tuple(uav.p_max_dbm for uav in plan.uavs), plan.k_min, plan.delta
     )
-    return certify(plan, energy_floor=floor)
+    return certify(plan, energy_floor=floor, ground=ground)
 
 
 def read_and_certify(path: Path) -> Plan:
@@ -216,7 +221,31 @@ def routing_problem(scenario: Scenario, found: Survey) -> RoutingProblem:
         energy_j=np.array(fleet.energy_j),
         energy_floor=energy_floor_of(radio, fleet.p_max_dbm, network.k_min, network.delta),
         path_loss_exponent=channel.exponent,
+        closed_legs=_closed_legs(scenario, found, waypoints, pads),
     )
+
+
+def _ground_rule(scenario: Scenario, found: Survey) -> GroundRule | None:
+    """What height above ground the plan must keep; waypoints that are lower are let be."""
+    wanted = scenario.trajectory
+    if wanted.mode == "straight":
+        return None
+    waypoints = np.array([waypoint.position_m for waypoint in found.waypoints])
+    ground = found.dem.height(waypoints[:, 0], waypoints[:, 1])
+    clearance_m = min(wanted.clearance_m, float(np.min(waypoints[:, 2] - ground)))
+    start_m = wanted.takeoff_m if wanted.mode == "waypoints" else clearance_m
+    return GroundRule(found.dem.height, clearance_m, START_SHARE * min(start_m, clearance_m))
+
+
+def _closed_legs(
+    scenario: Scenario, found: Survey, waypoints: Array, pads: Array
+) -> NDArray[np.bool_] | None:
+    """Legs of missions that pass too near the ground; curves get via points instead."""
+    rule = _ground_rule(scenario, found)
+    if rule is None or scenario.trajectory.mode != "waypoints":
+        return None
+    above = pads + np.array([0.0, 0.0, scenario.trajectory.takeoff_m])
+    return low_legs(waypoints, above, rule.height, rule.clearance_m, rule.start_clearance_m)
 
 
 def _pads(scenario: Scenario, found: Survey, waypoints: Array, reach: Array) -> Array:

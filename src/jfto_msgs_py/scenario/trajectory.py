@@ -78,7 +78,7 @@ class TrajectoryPart:
     )
     clearance_m: float = param(
         15.0,
-        "guided: least height above ground along the whole curve, away from the pads.",
+        "Least height above ground along the whole flight, away from the pads.",
         unit="m",
         low=0.0,
         high=1000.0,

@@ -25,7 +25,7 @@ class Assessment:
     neighbour rule that fail, `splits` slots in which the fleet is not connected, `close_pairs`
     pair × slot checks of separation that fail; `fine_faults` counts instants between slots with
     any of these three. `overlong_m` and `energy_over_j` are what exceeds L_max and, summed over
-    UAVs, E_max.
+    UAVs, E_max; `low_legs` counts closed legs that are flown.
     """
 
     length_m: float
@@ -38,6 +38,7 @@ class Assessment:
     overlong_m: float
     energy_over_j: float
     energy_j: tuple[float, ...]
+    low_legs: int = 0
 
     @property
     def clean(self) -> bool:
@@ -58,6 +59,7 @@ class Assessment:
             + 0.1 * self.fine_faults
             + self.late_s
             + self.energy_over_j
+            + 100.0 * self.low_legs
             + 1e-3 * self.overlong_m
         )
 
@@ -72,6 +74,7 @@ class Assessment:
             "between_slots": float(self.fine_faults),
             "total_length": self.overlong_m,
             "energy": self.energy_over_j,
+            "clearance": float(self.low_legs),
         }
 
 
@@ -121,7 +124,15 @@ def assess(problem: RoutingProblem, routes: Routes) -> Assessment:
         overlong_m=max(0.0, length - problem.length_max_m),
         energy_over_j=over,
         energy_j=tuple(float(e) for e in energy),
+        low_legs=_low_legs(problem, routes),
     )
+
+
+def _low_legs(problem: RoutingProblem, routes: Routes) -> int:
+    if problem.closed_legs is None:
+        return 0
+    nodes = [[problem.waypoint_count + a, *route] for a, route in enumerate(routes)]
+    return int(sum(problem.closed_legs[each[:-1], each[1:]].sum() for each in nodes))
 
 
 def _faults(problem: RoutingProblem, positions: Array) -> tuple[Flags, Flags, NDArray[np.int64]]:

@@ -16,6 +16,7 @@ from jfto_msgs_py.certificate import Certificate, Violation
 from jfto_msgs_py.errors import PlanError
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.units import dbm_to_w, ratio_to_db
+from jfto_planner.routing.certificate_ground import GroundRule, check_ground
 from jfto_planner.routing.certificate_instants import Instants, instants_of
 from jfto_planner.routing.certificate_routes import Flown, check_routes, fly
 from jfto_world.radio import make_channel
@@ -26,7 +27,9 @@ EnergyFloor = Callable[[Array, float], Array]
 FINER = 10
 
 
-def certify(plan: Plan, energy_floor: EnergyFloor | None = None) -> Certificate:
+def certify(
+    plan: Plan, energy_floor: EnergyFloor | None = None, ground: GroundRule | None = None
+) -> Certificate:
     """Check every constraint of (P1) and the energy floor (P0emax).
 
     Parameters
@@ -36,6 +39,8 @@ def certify(plan: Plan, energy_floor: EnergyFloor | None = None) -> Certificate:
     energy_floor
         Least energy (A,) in joules that the topology of positions (N + 1, A, 3) costs over slots
         of the given duration in seconds; None leaves energy out.
+    ground
+        Height that is wanted above the ground along the whole flight; None leaves it out.
 
     Raises
     ------
@@ -46,6 +51,8 @@ def certify(plan: Plan, energy_floor: EnergyFloor | None = None) -> Certificate:
     flown = fly(plan, FINER)
     violations = check_routes(plan, flown)
     violations += _check_totals(plan, flown)
+    if ground is not None:
+        violations += check_ground(plan, ground)
     floors: tuple[float, ...] = ()
     if energy_floor is not None:
         positions = np.ascontiguousarray(np.moveaxis(plan.positions_m, 0, 1))

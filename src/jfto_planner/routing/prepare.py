@@ -20,6 +20,8 @@ ROUNDING_M, ROUNDING_S = 1e-4, 1e-5
 # Decimals kept of distances and times, so that the last bit of a library's square root does not
 # change a plan.
 DECIMALS = 9
+# A closed leg costs as if it were so much longer.
+CLOSED_M = 20_000.0
 
 
 def make_tables(problem: RoutingProblem) -> Tables:
@@ -27,6 +29,7 @@ def make_tables(problem: RoutingProblem) -> Tables:
     points = np.concatenate([problem.waypoints_m, problem.starts_m])
     difference = points[:, None, :] - points[None, :, :]
     dist = np.round(np.sqrt((difference**2).sum(axis=-1)), DECIMALS)
+    cost = dist if problem.closed_legs is None else dist + CLOSED_M * problem.closed_legs
     classes = sorted(set(problem.limits), key=lambda k: (k.speed_mps, k.climb_mps, k.descent_mps))
     leg = np.stack([problem.time_model.leg_matrix(points, limits) for limits in classes])
     for layer, limits in zip(leg, classes, strict=True):
@@ -38,7 +41,7 @@ def make_tables(problem: RoutingProblem) -> Tables:
     d_min = problem.d_min_m + ROUNDING_M
     reach = problem.pair_reach_m - ROUNDING_M
     return Tables(
-        dist=dist,
+        dist=cost,
         leg=np.round(leg, DECIMALS),
         speed_class=np.array([classes.index(limits) for limits in problem.limits], dtype=np.int64),
         xyz=points,

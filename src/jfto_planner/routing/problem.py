@@ -42,6 +42,8 @@ class RoutingProblem:
         several threads.
     path_loss_exponent
         Exponent of distance in the power a link needs; guides the search in saving energy.
+    closed_legs
+        Legs that must not be flown, symmetric (W + A, W + A), waypoints before pads, or None.
 
     Raises
     ------
@@ -63,6 +65,7 @@ class RoutingProblem:
     energy_j: Array | None = None
     energy_floor: EnergyFloor | None = None
     path_loss_exponent: float = 2.0
+    closed_legs: NDArray[np.bool_] | None = None
 
     def __post_init__(self) -> None:
         for name in ("waypoints_m", "starts_m"):
