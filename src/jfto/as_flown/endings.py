@@ -13,6 +13,8 @@ from jfto_msgs_py.plan import Plan
 LANDED, AIRBORNE, LOST, UNSEEN = "landed", "still in the air", "lost", "never seen"
 # On its pad a UAV is this near, and this low.
 _PAD_M, _GROUND_M = 8.0, 1.5
+# Higher above the pad than any noise, lower than every take-off.
+_RISEN_M = 5.0
 _STEP_S = 0.5
 
 
@@ -48,6 +50,12 @@ def endings_of(flight: RecordedFlight, plan: Plan, end_s: float) -> tuple[Ending
             how = LANDED
         found.append(Ending(uav.id, how, float(track.times_s[-1]), gaps[index]))
     return tuple(found)
+
+
+def left_the_ground(flight: RecordedFlight, plan: Plan) -> bool:
+    """Whether any UAV was seen above its pad."""
+    tracks = [(flight.tracks[uav.id], uav.start_m[2]) for uav in plan.uavs]
+    return any(bool((t.position_m[:, 2] - up_m > _RISEN_M).any()) for t, up_m in tracks)
 
 
 def _return_gaps(flight: RecordedFlight, plan: Plan, end_s: float, last_s: float) -> list[float]:

@@ -177,9 +177,10 @@ def _fly(
     from jfto.conduct.flight_job import fly
     from jfto.conduct.operator import Terminal
     from jfto.conduct.prepare import prepare
+    from jfto.conduct.settings import LANDED
 
     ask = not (vehicles.simulated or choices["arm"] or choices["until"])
-    job = prepare(loaded, run, vehicles, until=choices["until"] or "landed", ask=ask)
+    job = prepare(loaded, run, vehicles, until=choices["until"] or LANDED, ask=ask)
     watcher.begin("flight", "starting the graph")
     watcher.pause()
     console = watcher.console

@@ -17,25 +17,21 @@ from jfto.conduct.outcome import Ending
 from jfto.export import comparison_object
 from jfto.pipeline import Run
 from jfto.scenario_file import LoadedScenario
+from jfto.stages.as_flown import FLIGHT_NAME, flight_bags
 from jfto.stages.routes import is_clean
-from jfto.supervision.graph import BAG_NAME
 from jfto_msgs_py.plan import Plan
 
 
 def say_flight(plan: Plan, job: FlightJob, end: FlightEnd, watcher: TerminalWatcher) -> None:
     """How the flight went and what was recorded of it."""
-    missed = missed_waypoints(plan, end)
-    good = end.outcome.good and not (end.outcome.flown and missed)
-    parts = [] if end.outcome.ending == Ending.LANDED else [end.outcome.text]
-    if end.outcome.flown:
-        total = len(plan.waypoints)
-        parts.append(f"{missed} of {total} waypoints missed" if missed else "all waypoints reached")
-    if end.outcome.ending == Ending.LANDED:
-        parts.append("all down")
+    parts = ["all landed" if end.outcome.ending == Ending.LANDED else end.outcome.text]
     if end.speedup is not None and job.simulated:
         parts.append(f"{end.speedup:.1f} × real time ({job.settings.speedup:g} asked)")
+    if end.deaths:
+        parts.append(f"{len(end.deaths)} processes died")
+    good = end.outcome.good
     watcher.end("flight", f"{len(plan.uavs)} vehicles", ", ".join(parts), good=good)
-    for path in sorted(job.directory.glob(f"{BAG_NAME}*")):
+    for path in flight_bags(job.directory):
         _say_bag(path, watcher)
 
 
@@ -49,14 +45,6 @@ def _say_bag(path: Path, watcher: TerminalWatcher) -> None:
     watcher.end("record", f"{size / 1e6:.1f} MB", f"{topics} topics in {path}")
 
 
-def missed_waypoints(plan: Plan, end: FlightEnd) -> int:
-    """How many waypoints no vehicle was seen to reach."""
-    return sum(
-        max(len(route.waypoint_ids) - uav.reached, 0)
-        for route, uav in zip(plan.routes, end.seen.uavs.values(), strict=True)
-    )
-
-
 def print_run(loaded: LoadedScenario, run: Run, end: FlightEnd | None, *, as_json: bool) -> None:
     """The comparison at the desk, what is infeasible, and where the report lies."""
     assert run.comparison is not None
@@ -64,7 +52,7 @@ def print_run(loaded: LoadedScenario, run: Run, end: FlightEnd | None, *, as_jso
     if as_json:
         facts = plan_facts(run.plan, str(run.plan_path))
         facts["comparison"] = comparison_object(run.plan, run.comparison, scene)
-        facts["flight"] = None if end is None else _flight_facts(run.plan, end)
+        facts["flight"] = None if end is None else _flight_facts(run, end)
         facts["report"] = str(run.report)
         print_json(facts)
         return
@@ -74,15 +62,17 @@ def print_run(loaded: LoadedScenario, run: Run, end: FlightEnd | None, *, as_jso
     click.echo(f"Report      {run.report}")
 
 
-def _flight_facts(plan: Plan, end: FlightEnd) -> dict[str, Any]:
+def _flight_facts(run: Run, end: FlightEnd) -> dict[str, Any]:
+    facts = run.flight
     return {
         "ended": end.outcome.ending.value,
         "text": end.outcome.text,
-        "flown": end.outcome.flown,
+        "started": end.outcome.flown,
         "interrupted": end.outcome.interrupted,
-        "waypoints_missed": missed_waypoints(plan, end) if end.outcome.flown else None,
+        "good": end.outcome.good and (facts is None or facts.good),
         "speedup": None if end.speedup is None else round(end.speedup, 2),
         "processes_died": [{"name": each.name, "how": each.how} for each in end.deaths],
+        "facts": None if facts is None else str(run.plan_path.parent / FLIGHT_NAME),
     }
 
 
@@ -92,5 +82,5 @@ def run_status(run: Run, end: FlightEnd | None) -> int:
         return 0
     if end.outcome.interrupted:
         return EXIT_INTERRUPTED
-    missed = end.outcome.flown and missed_waypoints(run.plan, end)
-    return EXIT_OTHER if missed or not end.outcome.good else 0
+    flown_well = run.flight is None or run.flight.good
+    return 0 if end.outcome.good and flown_well else EXIT_OTHER

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from jfto.conduct.flight_job import FlightJob
-from jfto.conduct.settings import ConductSettings
+from jfto.conduct.settings import LANDED, ConductSettings
 from jfto.pipeline import Run
 from jfto.run_directory import SCENARIO_NAME
 from jfto.scenario_file import LoadedScenario
@@ -32,7 +32,8 @@ def prepare(
             run.plan_path,
             bridge=True,
             simulate=vehicles.simulated,
-            record=True,
+            # What stays on the ground is no flight, and would be taken for one.
+            record=until == LANDED,
             parameters=parameters,
         )
     )

@@ -6,6 +6,7 @@ import json
 import re
 from pathlib import Path
 
+from jfto.as_flown.endings import left_the_ground
 from jfto.as_flown.export import flight_facts_object
 from jfto.as_flown.facts import FlightFacts, facts_of
 from jfto.as_flown.read_bag import read_flight
@@ -19,7 +20,7 @@ from jfto.figures.style import save
 from jfto.progress import Watcher
 from jfto.scenario_file import LoadedScenario
 from jfto.supervision.graph import BAG_NAME
-from jfto_msgs_py.errors import JftoError
+from jfto_msgs_py.errors import InputError, JftoError
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.write_file import write_file
 from jfto_world.terrain import Dem
@@ -79,6 +80,8 @@ def _facts(
     watcher: Watcher,
 ) -> FlightFacts:
     flight = read_flight(bags, plan)
+    if not left_the_ground(flight, plan):
+        raise InputError(f"{bags[0]}: nobody left the ground. The report is of the plan alone.")
     watcher.advance(0.6, "holding it against the plan")
     guided = loaded.scenario.trajectory.mode == "guided"
     return facts_of(
