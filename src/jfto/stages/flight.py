@@ -51,9 +51,11 @@ class Flight:
     rules: CurveRules | None = None
     curve: Mapping[str, float] | None = None
 
-    def model(self, factor: float) -> TimeModel:
-        """What the search goes by, leg estimates multiplied by `factor`."""
-        calibrated = Calibrated(self.time_model, factor) if self.estimated else self.time_model
+    def model(self, factor: float, per_mps: float = 0.0) -> TimeModel:
+        """What the search goes by, leg estimates corrected as `Calibrated` does."""
+        calibrated = (
+            Calibrated(self.time_model, factor, per_mps) if self.estimated else self.time_model
+        )
         return calibrated if self.exact else Estimated(calibrated)
 
     def trajectories(

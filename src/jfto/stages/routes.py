@@ -26,6 +26,7 @@ from jfto_planner.routing import (
     SearchSettings,
     build_plan,
     certify,
+    fit_factor,
     search,
 )
 from jfto_planner.routing.assess import Routes
@@ -131,10 +132,11 @@ def _calibrated(
     settings = _settings(scenario, CALIBRATION_SHARE)
     result = search(rough, settings, seed=scenario.search.seed, warm_start=warm)
     plan = _as_flown(scenario, found, problem, flight, result.routes)
-    factor = float(ends_s(plan).sum() / expected_s(rough, result.routes).sum())
+    speeds = np.array([limits.speed_mps for limits in problem.limits])
+    factors = fit_factor(speeds, ends_s(plan), expected_s(rough, result.routes))
     stopped = result.stopped_by == "user"
     return (
-        replace(problem, time_model=flight.model(factor)),
+        replace(problem, time_model=flight.model(*factors)),
         stopped,
         result.routes if stopped else warm,
     )

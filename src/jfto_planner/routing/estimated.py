@@ -11,21 +11,28 @@ from jfto_world.motion import MotionLimits, TimeModel
 
 Array = NDArray[np.float64]
 
+# Fewer flights, or more alike in speed, do not tell how the factor depends on it.
+LEAST_UAVS, LEAST_SPREAD_MPS = 4, 0.5
+
 
 @dataclass(frozen=True)
 class Calibrated:
-    """A time model whose leg estimates are multiplied by `factor`; exact times are its own."""
+    """A time model whose leg estimates are multiplied by a factor; exact times are its own.
+
+    The factor is `factor` + `per_mps` · speed: fast vehicles gain more at corners.
+    """
 
     model: TimeModel
     factor: float = 1.0
+    per_mps: float = 0.0
 
     def leg_matrix(self, points_m: Array, limits: MotionLimits) -> Array:
         """Time of the direct leg between each ordered pair of points, shape (M, M)."""
-        return self.factor * self.model.leg_matrix(points_m, limits)
+        return self._factor(limits) * self.model.leg_matrix(points_m, limits)
 
     def overhead_s(self, limits: MotionLimits) -> float:
         """Time of a whole route beyond the sum of its legs, s."""
-        return self.factor * self.model.overhead_s(limits)
+        return self._factor(limits) * self.model.overhead_s(limits)
 
     def arrivals(self, route_m: Array, limits: MotionLimits) -> Array:
         """Arrival time at each point of a route, shape (M,), the first being 0."""
@@ -34,6 +41,24 @@ class Calibrated:
     def positions(self, route_m: Array, limits: MotionLimits, times_s: Array) -> Array:
         """Positions at the given times, shape (T, 3)."""
         return self.model.positions(route_m, limits, times_s)
+
+    def _factor(self, limits: MotionLimits) -> float:
+        return self.factor + self.per_mps * limits.speed_mps
+
+
+def fit_factor(speed_mps: Array, flown_s: Array, expected_s: Array) -> tuple[float, float]:
+    """`factor` and `per_mps` of `Calibrated` from flights of UAVs (A,), least squares.
+
+    Without waypoints, expected at 0 s, a UAV says nothing; one speed gives no slope.
+    """
+    used = expected_s > 0
+    if not used.any():
+        return 1.0, 0.0
+    mean = float(flown_s[used].sum() / expected_s[used].sum())
+    if np.ptp(speed_mps[used]) < LEAST_SPREAD_MPS or used.sum() < LEAST_UAVS:
+        return mean, 0.0
+    slope, level = np.polyfit(speed_mps[used], flown_s[used] / expected_s[used], 1)
+    return float(level), float(slope)
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from jfto_planner.routing import Calibrated, Estimated
+from jfto_planner.routing import Calibrated, Estimated, fit_factor
 from jfto_world.motion import ConstantSpeed, MotionLimits
 from jfto_world.motion.arducopter import ArduCopter
 
@@ -37,3 +37,13 @@ def test_a_uav_without_waypoints_is_done_at_once() -> None:
     assert np.array_equal(
         estimate.positions(_LINE[:1], _LIMITS, np.array([0.0, 9.0])), _LINE[[0, 0]]
     )
+
+
+def test_the_factor_follows_the_speed_where_flights_tell() -> None:
+    """Fast UAVs at 0.92 and slow ones at 0.96 of the estimate; those on their pads do not count."""
+    speeds, expected = np.array([8.0, 8, 7, 7, 6]), np.array([400.0, 300, 400, 350, 0])
+    flown = np.array([0.92, 0.92, 0.96, 0.96, 0.0]) * expected
+    factor, per_mps = fit_factor(speeds, flown, expected)
+    assert np.allclose(factor + per_mps * speeds[:4], [0.92, 0.92, 0.96, 0.96])
+    assert fit_factor(np.full(5, 8.0), 0.9 * expected, expected) == (0.9, 0.0)
+    assert fit_factor(speeds, 0.0 * expected, 0.0 * expected) == (1.0, 0.0)
