@@ -26,7 +26,7 @@ from jfto_msgs_py.ros.vehicle import decode_pose
 from support.graph import Graph
 
 # Processes take long to start where other tests run beside them.
-LIMIT_S = 120.0
+LIMIT_S = 300.0
 
 
 def _up(domain: int, scenario: Path, out: Path, *options: str) -> subprocess.Popen:
