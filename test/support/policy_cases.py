@@ -6,7 +6,7 @@ import torch
 
 from jfto_planner.policy.generator import SceneRanges, draw
 from jfto_planner.policy.instance import InstanceBatch
-from jfto_planner.policy.model import PolicyShape
+from jfto_planner.policy.shape import PolicyShape
 
 SMALL = PolicyShape(width=16, heads=4, layers=2, hidden=32)
 

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from jfto_msgs_py.scenario.mission import METHODS
+
 if TYPE_CHECKING:
     from jfto.scenario_file import LoadedScenario
 
@@ -27,6 +29,12 @@ set_option = click.option(
 seed_option = click.option(
     "--seed", type=click.IntRange(0), metavar="N", help="Seed of the search; search.seed if absent."
 )
+method_option = click.option(
+    "--method",
+    type=click.Choice(METHODS),
+    help="How routes are found; search.method if absent. A learned result is shown beside what the "
+    "search alone finds with the same effort.",
+)
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON for programs.")
 debug_option = click.option("--debug", is_flag=True, hidden=True, help="Show tracebacks.")
 
@@ -36,9 +44,15 @@ def out_option(kind: str, default: str) -> Callable[[Function], Function]:
     return click.option("-o", "--out", type=_PATH, metavar=kind, help=f"Default: {default}.")
 
 
-def load(scenario: Path, overrides: tuple[str, ...], seed: int | None = None) -> LoadedScenario:
+def load(
+    scenario: Path,
+    overrides: tuple[str, ...],
+    seed: int | None = None,
+    method: str | None = None,
+) -> LoadedScenario:
     """The scenario of a command line."""
     from jfto.scenario_file import load_scenario
 
     seeding = () if seed is None else (f"search.seed={seed}",)
-    return load_scenario(scenario, (*overrides, *seeding))
+    choosing = () if method is None else (f"search.method={method}",)
+    return load_scenario(scenario, (*overrides, *seeding, *choosing))

@@ -10,6 +10,7 @@ from jfto.cli.options import (
     debug_option,
     json_option,
     load,
+    method_option,
     out_option,
     scenario_argument,
     seed_option,
@@ -23,6 +24,7 @@ from jfto.cli.options import (
 @click.option(
     "--warm-start", type=click.Path(path_type=Path), metavar="PLAN", help="Improve this plan."
 )
+@method_option
 @seed_option
 @set_option
 @json_option
@@ -31,6 +33,7 @@ def command(
     scenario: Path,
     out: Path | None,
     warm_start: Path | None,
+    method: str | None,
     seed: int | None,
     overrides: tuple[str, ...],
     as_json: bool,
@@ -44,7 +47,7 @@ def command(
     \b
     Example:  jfto plan config/wanglang.yaml -o plan.json --seed 1
     """
-    loaded = load(scenario, overrides, seed)
+    loaded = load(scenario, overrides, seed, method)
 
     from jfto.cli.failure import EXIT_INFEASIBLE, EXIT_INTERRUPTED
     from jfto.cli.summary import plan_facts, print_infeasible, print_json
@@ -60,7 +63,8 @@ def command(
         planned = plan_routes(loaded.scenario, found, watcher, warm_start=earlier)
     path = save_plan(planned.plan, out or Path("plan.json"))
     if as_json:
-        print_json(plan_facts(planned.plan, str(path)))
+        learned = {"learned": planned.learned} if planned.learned else {}
+        print_json(plan_facts(planned.plan, str(path)) | learned)
     if not is_clean(planned.plan):
         if not as_json:
             print_infeasible(planned.plan, str(path))

@@ -12,6 +12,7 @@ from jfto.cli.options import (
     debug_option,
     json_option,
     load,
+    method_option,
     out_option,
     scenario_argument,
     seed_option,
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 @click.command("run")
 @scenario_argument
 @out_option("DIR", "run-<UTC time>")
+@method_option
 @seed_option
 @click.option("--plan", "plan_file", type=PATH, metavar="FILE", help="Plan to fly; else planned.")
 @click.option(
@@ -60,6 +62,7 @@ if TYPE_CHECKING:
 def command(
     scenario: Path,
     out: Path | None,
+    method: str | None,
     seed: int | None,
     overrides: tuple[str, ...],
     as_json: bool,
@@ -83,7 +86,7 @@ def command(
     Example:  jfto run config/demo.yaml
               jfto run mine.yaml --until arm --vehicles udpin:0.0.0.0:14550
     """
-    loaded = load(scenario, overrides, seed)
+    loaded = load(scenario, overrides, seed, method)
 
     from jfto.cli.failure import EXIT_INFEASIBLE, EXIT_INTERRUPTED
     from jfto.cli.run_summary import print_run, run_status

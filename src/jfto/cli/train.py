@@ -53,6 +53,7 @@ def command(
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     from jfto_msgs_py.errors import InputError
+    from jfto_planner.policy.model import arrays_of
     from jfto_planner.policy.training.trainer import Progress as Step
     from jfto_planner.policy.training.trainer import Trainer
     from jfto_planner.policy.weights import NAME, save_weights
@@ -82,6 +83,6 @@ def command(
             click.echo(f"\nStopped. The same command goes on from {out}.", err=True)
             return 130
     if trainer.workers.rank == 0:
-        digest = save_weights(best, out / NAME)
+        digest = save_weights(arrays_of(best), best.shape, out / NAME)
         click.echo(f"Weights     {out / NAME}  sha256 {digest[:12]}…")
     return 0

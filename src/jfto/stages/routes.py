@@ -20,6 +20,7 @@ from jfto_msgs_py.plan_file import read_plan, rounded, rounded_record, rounded_w
 from jfto_msgs_py.scenario import Scenario
 from jfto_msgs_py.units import dbm_to_w
 from jfto_planner.low_legs import low_legs
+from jfto_planner.methods import SEARCH, solve
 from jfto_planner.routing import (
     Estimated,
     RoutingProblem,
@@ -50,12 +51,14 @@ START_SHARE = 0.5
 class Planned:
     """A certified plan; `interrupted` says that the search was stopped before its budget.
 
-    `estimate_s` is the makespan that the search expected of its routes.
+    `estimate_s` is the makespan that the search expected of its routes, `learned` what a learned
+    method and the search alone found, in words.
     """
 
     plan: Plan
     interrupted: bool
     estimate_s: float
+    learned: str = ""
 
     @property
     def faults(self) -> int:
@@ -88,21 +91,26 @@ def plan_routes(
     watcher.begin("routes", "comparing leg times with flights")
     problem, stopped, warm = _calibrated(scenario, found, problem, flight, warm)
     best: Planned | None = None
+    learned = ""
     share = scenario.search.moves if stopped else 1
     for round_ in range(ROUNDS):
         watcher.begin("routes", "searching" if round_ == 0 else f"searching, round {round_ + 1}")
-        result = search(
+        solved = solve(
             problem,
             _settings(scenario, share if round_ == 0 else LATER_SHARE),
+            # Later rounds repair what they have; there is nothing to learn from a policy there.
+            method=scenario.search.method if round_ == 0 else SEARCH,
             seed=scenario.search.seed,
             warm_start=warm,
             progress=watcher.advance,
         )
+        result, learned = solved.found, learned or solved.in_words()
         watcher.begin("routes", "checking with independent code")
         plan = _as_flown(scenario, found, problem, flight, result.routes)
         plan = replace(plan, certificate=certify_plan(plan, ground))
         stopped |= result.stopped_by == "user"
-        planned = Planned(plan, stopped, float(expected_s(problem, result.routes).max()))
+        estimate_s = float(expected_s(problem, result.routes).max())
+        planned = Planned(plan, stopped, estimate_s, learned)
         if best is None or planned.faults < best.faults:
             best = planned
         # Where the search judges by the very times that the plan has, more rounds change nothing.
@@ -327,4 +335,5 @@ def _proof(planned: Planned) -> str:
             f", margin ≥ {certificate.worst_margin_db:.1f} dB ({certificate.worst_margin_uav}, "
             f"slot {certificate.worst_margin_slot:g})"
         )
-    return text + (", stopped early" if planned.interrupted else "")
+    text += ", stopped early" if planned.interrupted else ""
+    return f"{planned.learned}; {text}" if planned.learned else text

@@ -35,11 +35,20 @@ class MissionPart:
     )
 
 
+METHODS = ("search", "rl", "rl+search", "auto")
+
+
 @dataclass(frozen=True)
 class SearchPart:
     """Effort of the route search."""
 
     seed: int = param(0, "Seed of the search (also --seed).", low=0, high=2**31 - 1, hashed=False)
+    method: str = param(
+        "search",
+        "How routes are found (also --method): by the search, by the trained policy, by the search "
+        "from the policy's routes, or what has measured best (docs/policy.md).",
+        choices=METHODS,
+    )
     moves: int = param(
         8_000_000, "Moves tried in all; a budget that is equal on any machine.", low=1, high=10**12
     )

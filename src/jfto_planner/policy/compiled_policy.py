@@ -14,6 +14,7 @@ import numpy as np
 from jfto_planner.policy.kernel.arrays import View, empty_fleet, empty_view
 from jfto_planner.policy.kernel.decode import Known, Net, Room, roll_out
 from jfto_planner.policy.problems import Array, Problems
+from jfto_planner.policy.shape import PolicyShape
 
 # As in torch's BatchNorm1d.
 NORM_EPSILON = 1e-5
@@ -35,9 +36,8 @@ class Flown:
 class CompiledPolicy:
     """Rollouts with the weights of a Policy, given by their names there."""
 
-    def __init__(self, weights: Mapping[str, Array], heads: int, layers: int, clip: float) -> None:
-        self.weights = weights
-        self.heads, self.layers = heads, layers
+    def __init__(self, weights: Mapping[str, Array], shape: PolicyShape) -> None:
+        self.weights, self.shape = weights, shape
         self.net = Net(
             state=self._matrix("decoder.state"),
             state_bias=self._bias("decoder.state"),
@@ -50,8 +50,8 @@ class CompiledPolicy:
             pair_query=self._matrix("decoder.pair_query"),
             pair_output=np.ascontiguousarray(self._matrix("decoder.pair_output")[:, 0]),
             stop_bias=float(weights["decoder.stop_bias"]),
-            heads=heads,
-            clip=float(clip),
+            heads=shape.heads,
+            clip=float(shape.clip),
         )
 
     def encode(self, problems: Problems) -> Known:
@@ -69,7 +69,7 @@ class CompiledPolicy:
             ],
             axis=1,
         )
-        for number in range(self.layers):
+        for number in range(self.shape.layers):
             nodes = self._layer(f"encoder.layers.{number}", nodes, valid)
         nodes *= valid[..., None]
         graph = nodes.sum(1) / valid.sum(1, keepdims=True).astype(np.float32)
@@ -125,9 +125,9 @@ class CompiledPolicy:
     def _attention(self, name: str, nodes: Array, valid: Array) -> Array:
         batch, count, width = nodes.shape
         split = self._linear(f"{name}.query_key_value", nodes)
-        split = split.reshape(batch, count, 3, self.heads, -1).transpose(2, 0, 3, 1, 4)
+        split = split.reshape(batch, count, 3, self.shape.heads, -1).transpose(2, 0, 3, 1, 4)
         query, key, value = split
-        score = query @ key.swapaxes(-1, -2) * np.float32(1 / math.sqrt(width // self.heads))
+        score = query @ key.swapaxes(-1, -2) * np.float32(1 / math.sqrt(width // self.shape.heads))
         score[~np.broadcast_to(valid[:, None, None], score.shape)] = -np.inf
         score -= score.max(-1, keepdims=True)
         weight = np.exp(score, out=score)

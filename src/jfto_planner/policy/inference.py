@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import torch
-from torch import Tensor
+import numpy as np
 
 from jfto_msgs_py.errors import InputError
-from jfto_planner.policy.instance import InstanceBatch, from_problem, symmetries
-from jfto_planner.policy.model import Policy, Rollouts
+from jfto_planner.policy.compiled_policy import CompiledPolicy, Flown
+from jfto_planner.policy.problems import problems_of
 from jfto_planner.routing.problem import RoutingProblem
 
 MODES = ("greedy", "sample", "symmetry")
+SAMPLES = 128
 # Broken rules outweigh any length: the cleanest rollout is taken, then the shortest.
 PENALTY = 1e3
 
@@ -32,7 +32,12 @@ class PolicyRoutes:
 
 
 def plan_routes(
-    policy: Policy, problem: RoutingProblem, *, mode: str = "greedy", samples: int = 128, seed: int
+    policy: CompiledPolicy,
+    problem: RoutingProblem,
+    *,
+    mode: str = "greedy",
+    samples: int = SAMPLES,
+    seed: int = 0,
 ) -> PolicyRoutes:
     """Routes for one problem.
 
@@ -40,39 +45,32 @@ def plan_routes(
     the best greedy rollout of the scene's eight reflections and rotations. Raises InputError for
     an unknown mode.
     """
-    if mode not in MODES:
+    problems = problems_of(problem)
+    if mode == "greedy":
+        flown = policy.roll_out(problems)
+    elif mode == "sample":
+        steps = problem.waypoint_count + problem.uav_count
+        chances = np.random.default_rng(seed).random((1, samples, steps))
+        flown = policy.roll_out(problems, samples, chances=chances)
+    elif mode == "symmetry":
+        flown = policy.roll_out(problems.symmetries())
+    else:
         raise InputError(f"mode is {mode!r}, must be one of {', '.join(MODES)}.")
-    batch = from_problem(problem)
-    with torch.inference_mode():
-        if mode == "greedy":
-            outcome = policy(batch)
-        elif mode == "sample":
-            outcome = policy(batch, samples, generator=torch.Generator().manual_seed(seed))
-        else:
-            outcome = policy(symmetries(batch))
-    return _best(outcome, batch, problem)
+    return _best(flown, float(problems.extent_m[0]), problem)
 
 
-def _best(outcome: Rollouts, batch: InstanceBatch, problem: RoutingProblem) -> PolicyRoutes:
-    cost = outcome.cost(PENALTY, PENALTY).flatten()
-    winner = int(cost.argmin())
-    extent = float(batch.extent_m[0])
-    clean = (outcome.misses == 0) & (outcome.late <= 0)
+def _best(flown: Flown, extent_m: float, problem: RoutingProblem) -> PolicyRoutes:
+    broken = flown.misses + flown.late
+    winner = np.unravel_index(np.argmin(flown.length + PENALTY * broken), broken.shape)
     mean_speed = sum(limit.speed_mps for limit in problem.limits) / problem.uav_count
-    return PolicyRoutes(
-        routes=_routes(
-            outcome.choices.flatten(0, 1)[winner], outcome.uavs.flatten(0, 1)[winner], problem
-        ),
-        length_m=float(outcome.length.flatten()[winner]) * extent,
-        misses=int(outcome.misses.flatten()[winner]),
-        late_s=float(outcome.late.flatten()[winner]) * extent / mean_speed,
-        feasible_share=float(clean.float().mean()),
-    )
-
-
-def _routes(choices: Tensor, uavs: Tensor, problem: RoutingProblem) -> tuple[tuple[int, ...], ...]:
     routes: list[list[int]] = [[] for _ in range(problem.uav_count)]
-    for choice, uav in zip(choices.tolist(), uavs.tolist(), strict=True):
+    for choice, uav in zip(flown.choices[winner], flown.uavs[winner], strict=True):
         if choice < problem.waypoint_count:
-            routes[uav].append(choice)
-    return tuple(tuple(route) for route in routes)
+            routes[uav].append(int(choice))
+    return PolicyRoutes(
+        routes=tuple(map(tuple, routes)),
+        length_m=float(flown.length[winner]) * extent_m,
+        misses=int(flown.misses[winner]),
+        late_s=float(flown.late[winner]) * extent_m / mean_speed,
+        feasible_share=float((broken <= 0).mean()),
+    )

@@ -14,17 +14,7 @@ from jfto_planner.policy.encoder import Encoder
 from jfto_planner.policy.environment import Episode, Observation
 from jfto_planner.policy.instance import InstanceBatch
 from jfto_planner.policy.replay import recorded
-
-
-@dataclass(frozen=True)
-class PolicyShape:
-    """Sizes of the network: D_H, H, N_TP, the feed-forward width and C."""
-
-    width: int = 128
-    heads: int = 8
-    layers: int = 3
-    hidden: int = 512
-    clip: float = 10.0
+from jfto_planner.policy.shape import PolicyShape
 
 
 @dataclass(frozen=True)
@@ -125,8 +115,7 @@ class Policy(nn.Module):
         if generator is not None:
             shape = (batch.size, rollouts, batch.waypoints.shape[1] + batch.start_of.shape[1])
             chances = torch.rand(shape, generator=generator, dtype=torch.float64).numpy()
-        sizes = self.shape
-        compiled = CompiledPolicy(arrays_of(self), sizes.heads, sizes.layers, sizes.clip)
+        compiled = CompiledPolicy(arrays_of(self), self.shape)
         flown = compiled.roll_out(
             batch.numpy(), rollouts, chances=chances, known=keys.known(), record=True
         )

@@ -4,24 +4,28 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
 
+import numpy as np
 from safetensors import SafetensorError
-from safetensors.torch import load, save
+from safetensors.numpy import load, save
 
 from jfto_msgs_py.errors import InputError
-from jfto_planner.policy.model import Policy, PolicyShape
+from jfto_planner.policy.compiled_policy import CompiledPolicy
+from jfto_planner.policy.problems import Array
+from jfto_planner.policy.shape import PolicyShape
 
 NAME = "rl_tp.safetensors"
 HASH_SUFFIX = ".sha256"
 
 
-def save_weights(policy: Policy, path: Path) -> str:
+def save_weights(weights: Mapping[str, Array], shape: PolicyShape, path: Path) -> str:
     """Write weights and, beside them, their SHA-256; both appear whole or not at all."""
     data = save(
-        {key: value.detach().cpu().contiguous() for key, value in policy.state_dict().items()},
-        metadata={"shape": json.dumps(vars(policy.shape), sort_keys=True)},
+        {key: np.array(value, order="C") for key, value in weights.items()},
+        metadata={"shape": json.dumps(vars(shape), sort_keys=True)},
     )
     digest = hashlib.sha256(data).hexdigest()
     for target, content in ((path, data), (_hash_path(path), f"{digest}\n".encode())):
@@ -31,8 +35,8 @@ def save_weights(policy: Policy, path: Path) -> str:
     return digest
 
 
-def load_weights(path: Path | None = None) -> Policy:
-    """Policy with the shipped weights, or those of a file, ready for inference.
+def load_weights(path: Path | None = None) -> CompiledPolicy:
+    """Policy with the shipped weights, or those of a file.
 
     Raises InputError if the file is missing, was changed, or holds no policy.
     """
@@ -41,7 +45,10 @@ def load_weights(path: Path | None = None) -> Policy:
         data = path.read_bytes()
         expected = _hash_path(path).read_text().strip()
     except OSError as error:
-        raise InputError(f"{path}: cannot read the weights or their hash ({error}).") from error
+        raise InputError(
+            f"{path}: cannot read the weights or their hash ({error}). Install JFTO again, or plan "
+            "with --method search."
+        ) from error
     digest = hashlib.sha256(data).hexdigest()
     if digest != expected:
         raise InputError(
@@ -49,13 +56,12 @@ def load_weights(path: Path | None = None) -> Policy:
             "the file is damaged or was replaced. Install it again."
         )
     try:
-        tensors = load(data)
+        weights = load(data)
         header = json.loads(data[8 : 8 + int.from_bytes(data[:8], "little")])
-        policy = Policy(PolicyShape(**json.loads(header["__metadata__"]["shape"])))
-        policy.load_state_dict(tensors)
-    except (SafetensorError, KeyError, TypeError, ValueError, RuntimeError) as error:
+        shape = PolicyShape(**json.loads(header["__metadata__"]["shape"]))
+        return CompiledPolicy(weights, shape)
+    except (SafetensorError, KeyError, TypeError, ValueError) as error:
         raise InputError(f"{path}: holds no RL-TP policy ({error}).") from error
-    return policy.eval()
 
 
 def _hash_path(path: Path) -> Path:

@@ -109,7 +109,7 @@ def test_the_encoder_in_numpy_equals_the_one_in_torch() -> None:
         layer.norm_attention.norm.running_mean.uniform_(-0.5, 0.5)
         layer.norm_feed_forward.norm.running_var.uniform_(0.5, 2.0)
     batch = stack([instances(2, w, a, seed=w) for w, a in ((7, 3), (12, 6))])
-    compiled = CompiledPolicy(arrays_of(policy), SMALL.heads, SMALL.layers, SMALL.clip)
+    compiled = CompiledPolicy(arrays_of(policy), SMALL)
     expected, found = policy.encode(batch).known(), compiled.encode(batch.numpy())
     for name in ("graph", "node_part", "glimpse_key", "pointer_key", "pair_key", "stop_key"):
         np.testing.assert_allclose(

@@ -9,7 +9,7 @@ from typing import Any
 
 from jfto_msgs_py.errors import InputError
 from jfto_planner.policy.generator import SceneRanges
-from jfto_planner.policy.model import PolicyShape
+from jfto_planner.policy.shape import PolicyShape
 
 BASELINES = ("greedy_rollout", "shared")
 IMITATION, REINFORCE = METHODS = ("imitation", "reinforce")

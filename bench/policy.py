@@ -1,0 +1,171 @@
+"""The learned planner against the search and against PyVRP, on problems that it never saw.
+
+    python bench/policy.py [--instances 200] [--slow 24] [--sizes 20 50 136] [--uavs 4 8]
+                           [--seconds 2] [--pyvrp-seconds 2] [--weights FILE]
+
+Problems are drawn like those of the training, from other random numbers. Greedy, sampled (128) and
+the greedy rollouts of eight symmetries run on all; the search, the search from the policy's routes
+(`rl+search`, the policy's time counted) and PyVRP, which knows nothing of the radio, on the first
+`--slow` of each size. Gaps are over PyVRP's length, on the problems that PyVRP and the method both
+solved; `feasible` is the share whose routes pass the exact check. Times are of one core, after
+loading and compiling. `first` is the time until a sound plan is there: the policy's where it is
+sound, else the search's from it; beside it that of the search alone.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import resource
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+
+from jfto_planner.methods import learned_routes
+from jfto_planner.policy import generator
+from jfto_planner.policy.compiled_policy import CompiledPolicy
+from jfto_planner.policy.problem_of import problem_of
+from jfto_planner.policy.training.seeds import HELD_OUT, generator_of
+from jfto_planner.policy.weights import load_weights
+from jfto_planner.routing import RoutingProblem, SearchSettings, search
+from jfto_planner.routing.annealer import Annealer
+from jfto_planner.routing.assess import Routes
+from jfto_planner.routing.result import SearchResult
+from routing import radio_free_length_m
+
+SEED = 97
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Length in m (inf where a rule is broken), and seconds, per problem."""
+
+    lengths: np.ndarray
+    seconds: np.ndarray
+
+
+def options() -> argparse.Namespace:
+    """Command line of this benchmark."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--instances", type=int, default=200)
+    parser.add_argument("--slow", type=int, default=24)
+    parser.add_argument("--sizes", type=int, nargs="+", default=[20, 50, 136])
+    parser.add_argument("--uavs", type=int, nargs="+", default=[4, 8])
+    parser.add_argument("--seconds", type=float, default=2.0)
+    parser.add_argument("--pyvrp-seconds", type=float, default=2.0)
+    parser.add_argument("--weights", type=Path)
+    return parser.parse_args()
+
+
+def run(problems: list[RoutingProblem], solve: Callable[[RoutingProblem], SearchResult]) -> Outcome:
+    """Solve each problem and keep the clock."""
+    lengths, seconds = [], []
+    for problem in problems:
+        begun = time.perf_counter()
+        result = solve(problem)
+        seconds.append(time.perf_counter() - begun)
+        lengths.append(result.length_m if result.feasible else math.inf)
+    return Outcome(np.array(lengths), np.array(seconds))
+
+
+def searched(
+    problem: RoutingProblem, seconds: float, warm_start: Routes | None = None
+) -> SearchResult:
+    """The search on one core for so long."""
+    settings = SearchSettings(moves=None, time_limit_s=seconds, starts=1, workers=1)
+    return search(problem, settings, seed=0, warm_start=warm_start)
+
+
+def first_sound_s(problem: RoutingProblem, warm_start: Routes | None, limit_s: float) -> float:
+    """Seconds until the search has sound routes."""
+    begun = time.perf_counter()
+    settings = SearchSettings(moves=None, time_limit_s=limit_s, starts=1, workers=1)
+    annealer = Annealer(problem, settings, 0, warm_start)
+    found = [math.inf]
+
+    def observe(_: float, length_m: float, __: float) -> None:
+        if math.isfinite(length_m) and math.isinf(found[0]):
+            found[0] = time.perf_counter() - begun
+
+    def pace(_: int) -> float:
+        return 1.0 if math.isfinite(found[0]) else (time.perf_counter() - begun) / limit_s
+
+    annealer.run(pace, lambda: False, observe)
+    return found[0]
+
+
+def first_times_s(policy: CompiledPolicy, problem: RoutingProblem) -> tuple[float, float]:
+    """Seconds until the first sound plan: with the policy, and by the search alone."""
+    begun = time.perf_counter()
+    for mode in ("greedy", "symmetry"):
+        learned = learned_routes(policy, problem, (mode,), 0)
+        if learned.feasible:
+            break
+    with_policy = time.perf_counter() - begun
+    if not learned.feasible:
+        with_policy += first_sound_s(problem, learned.routes, 10.0)
+    return with_policy, first_sound_s(problem, None, 10.0)
+
+
+def bench_size(
+    policy: CompiledPolicy, waypoints: int, uavs: int, chosen: argparse.Namespace
+) -> None:
+    """Print the rows of one size."""
+    random = generator_of(SEED, HELD_OUT, 1000 * waypoints + uavs)
+    ranges = generator.SceneRanges()
+    batch = generator.draw(random, chosen.instances, waypoints, uavs, ranges)
+    problems = [problem_of(batch, row) for row in range(chosen.instances)]
+    few = problems[: chosen.slow]
+    reference = np.array([radio_free_length_m(one, chosen.pyvrp_seconds, 0)[0] for one in few])
+
+    def learned(mode: str) -> Callable[[RoutingProblem], SearchResult]:
+        return lambda problem: learned_routes(policy, problem, (mode,), 0)
+
+    def learned_then_searched(problem: RoutingProblem) -> SearchResult:
+        start = learned_routes(policy, problem, ("symmetry",), 0)
+        left = max(chosen.seconds - start.seconds, 0.05)
+        return searched(problem, left, start.routes)
+
+    rows = {mode: run(problems, learned(mode)) for mode in ("greedy", "symmetry", "sample")}
+    rows["search"] = run(few, lambda problem: searched(problem, chosen.seconds))
+    rows["rl+search"] = run(few, learned_then_searched)
+    for name, outcome in rows.items():
+        sound = np.isfinite(outcome.lengths)
+        both = sound[: len(few)] & np.isfinite(reference)
+        gap = outcome.lengths[: len(few)][both].sum() / reference[both].sum() - 1
+        print(
+            f"{waypoints:4d} {uavs:2d}  {name:9s} {100 * gap:8.2f} % {100 * sound.mean():8.1f} % "
+            f"{len(sound):5d} {int(both.sum()):5d} {1e3 * np.median(outcome.seconds):9.1f} ms",
+            flush=True,
+        )
+    with_policy, alone = np.array([first_times_s(policy, one) for one in few]).T
+    ratio = np.median(alone) / np.median(with_policy)
+    print(
+        f"{waypoints:4d} {uavs:2d}  first sound plan: {1e3 * np.median(with_policy):.1f} ms with "
+        f"the policy, {1e3 * np.median(alone):.1f} ms by the search, {ratio:.2f} times sooner",
+        flush=True,
+    )
+
+
+def main() -> int:
+    """Print a table for every size."""
+    torch.set_num_threads(1)
+    chosen = options()
+    policy = load_weights(chosen.weights)
+    warm = generator.draw(generator_of(SEED, HELD_OUT, 0), 1, 12, 4, generator.SceneRanges())
+    first_times_s(policy, problem_of(warm, 0))
+    print("   W  A  method         gap     feasible   run  compared    median time")
+    for waypoints in chosen.sizes:
+        for uavs in chosen.uavs:
+            bench_size(policy, waypoints, uavs, chosen)
+    used = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    print(f"greatest memory of this process, torch and PyVRP included: {used:.0f} MB")
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

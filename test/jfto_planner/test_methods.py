@@ -1,0 +1,50 @@
+"""Ways to find routes."""
+
+from __future__ import annotations
+
+import pytest
+
+from jfto_planner.methods import solve
+from jfto_planner.policy.problem_of import problem_of
+from jfto_planner.routing import RoutingProblem, SearchSettings
+from support.policy_cases import instances
+
+EFFORT = SearchSettings(moves=4000, starts=2)
+
+
+def _problem() -> RoutingProblem:
+    return problem_of(instances(1, 15, 4, seed=2, k_min=2), 0, slots=40)
+
+
+@pytest.mark.parametrize("method", ["rl", "rl+search", "search", "auto"])
+def test_every_method_visits_everything_once_and_repeats_itself(method) -> None:
+    """The same seed gives the same routes, and the routes are complete."""
+    problem = _problem()
+    first, second = (solve(problem, EFFORT, method=method, seed=5) for _ in range(2))
+    assert first.found.routes == second.found.routes
+    assert sorted(sum(first.found.routes, ())) == list(range(15))
+    assert first.found.assessment == second.found.assessment
+
+
+@pytest.mark.parametrize("method", ["rl", "rl+search"])
+def test_a_learned_result_is_shown_beside_the_search(method) -> None:
+    """The gap is the excess length over the search alone with the same effort."""
+    solved = solve(_problem(), EFFORT, method=method, seed=5)
+    alone = solve(_problem(), EFFORT, method="search", seed=5)
+    assert solved.classical is not None
+    assert solved.classical.routes == alone.found.routes
+    assert "search alone" in solved.in_words()
+    if solved.found.feasible:
+        assert solved.gap == pytest.approx(solved.found.length_m / alone.found.length_m - 1)
+    else:
+        assert solved.gap is None
+    assert alone.in_words() == ""
+
+
+def test_the_search_is_no_worse_for_starting_from_sound_learned_routes() -> None:
+    """A sound warm start is never made longer."""
+    problem = _problem()
+    learned = solve(problem, EFFORT, method="rl", seed=5).found
+    both = solve(problem, EFFORT, method="rl+search", seed=5).found
+    assert both.feasible
+    assert not learned.feasible or both.length_m <= learned.length_m + 1e-6
