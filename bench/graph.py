@@ -140,7 +140,8 @@ def graph(domain: int, slots: int, horizon_s: float, *options: str) -> Iterator[
         try:
             yield out
         finally:
-            process.send_signal(signal.SIGINT)
+            # Started in the background it would ignore SIGINT.
+            process.send_signal(signal.SIGTERM)
             print(f"jfto up ended with status {process.wait()}")
 
 
@@ -199,7 +200,7 @@ def memory(minutes: float) -> None:
     poses: list[object] = []
     watcher.node.create_subscription(PoseStamped, topics.pose(IDS[0]), poses.append, qos.sensor())
     with graph(domain, 3600, 3600.0, "--vehicles", "sim", "--record") as out:
-        watcher.until(lambda: poses, 300.0)
+        watcher.until(lambda: poses, 10 * LIMIT_S)
         begun_s = time.monotonic()
         taken: dict[str, list[tuple[float, float]]] = {}
         while (at_s := time.monotonic() - begun_s) < 60 * minutes:
