@@ -67,7 +67,7 @@ def test_the_graph_heals_after_kill_and_ends_with_ctrl_c(tiny, tmp_path) -> None
             before = len(schedules)
             graph.until(lambda: len(schedules) > before, LIMIT_S)
             late = graph.collect(MultiDOFJointTrajectory, topics.trajectory("uav1"), qos.latched())
-            graph.until(lambda: late)
+            graph.until(lambda: late, LIMIT_S)
         finally:
             status, output = _end(process, signal.SIGINT)
     first, last = (decode_power_schedule(schedules[i]).horizon for i in (0, -1))
@@ -104,7 +104,9 @@ def test_simulated_vehicles_fly_in_the_graph_and_are_recorded(tiny, tmp_path) ->
             assert "4 missions on board" in _order(graph, "upload")
             assert _order(graph, "start") == "flying: uav1, uav2, uav3, uav4"
             first = decode_pose(poses[-1])
-            graph.until(lambda: decode_pose(poses[-1]).position_m[2] > first.position_m[2] + 20)
+            graph.until(
+                lambda: decode_pose(poses[-1]).position_m[2] > first.position_m[2] + 20, LIMIT_S
+            )
             ran_ns = time.time_ns() - begun_ns
         finally:
             status, output = _end(process, signal.SIGTERM)
