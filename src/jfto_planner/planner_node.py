@@ -162,10 +162,11 @@ class PlannerNode(GraphNode[PlannerOptions]):
             raise InfeasibleError(f"The plan breaks its constraints and is not published. {first}")
         self._lift_off = LiftOff(plan, self._options, self.now_ns(), made_now=self._made)
         self._plan, self._planned_for = plan, self._scenario
+        if self._heard_ns is not None and self._anchor(self._heard_ns):
+            # A planner that starts anew in mid-flight tells nobody of a provisional start.
+            return
         self.get_logger().info(self._summary())
         self._publish()
-        if self._heard_ns is not None:
-            self._anchor(self._heard_ns)
 
     def _on_lift_off(self, message: Any) -> None:
         heard_ns = self.intake.take(
@@ -177,18 +178,18 @@ class PlannerNode(GraphNode[PlannerOptions]):
         if self._lift_off is not None:
             self._anchor(heard_ns)
 
-    def _anchor(self, heard_ns: int) -> None:
-        """Count the plan from when the fleet lifted off, and tell all that follow it."""
+    def _anchor(self, heard_ns: int) -> bool:
+        """Count the plan from when the fleet lifted off, and tell all; whether that was news."""
         assert self._lift_off is not None
         before_ns, awaited = self._lift_off.start_ns, self._lift_off.awaited
         try:
             if not self._lift_off.hear(heard_ns, self.now_ns()):
-                return
+                return False
         except MessageError as error:
             self.intake.refuse(topics.LIFT_OFF, error)
             text = f"Not taken for a lift-off: {error}. The plan's start stays as it was."
             self.announce(WARNED, "lift_off", "", text)
-            return
+            return False
         except InputError as error:
             # Better to fly without a file than on the wrong clock.
             self.get_logger().error(str(error))
@@ -196,6 +197,7 @@ class PlannerNode(GraphNode[PlannerOptions]):
         text = f"Lift-off at {heard_ns / 1e9:.3f} s{moved}: plan and slots are counted from there."
         self.announce(TOLD, "lift_off", "", text)
         self._publish()
+        return True
 
     def _keep_ahead(self) -> None:
         if self._lift_off is None:

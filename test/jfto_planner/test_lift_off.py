@@ -8,6 +8,7 @@ from rcl_interfaces.msg import Log
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 
 from jfto_msgs_py.errors import InputError, MessageError
+from jfto_msgs_py.plan_file import write_plan
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.events import decode_event
 from jfto_msgs_py.ros.stamps import encode_time
@@ -135,3 +136,23 @@ def test_the_planner_republishes_when_the_fleet_lifts_off() -> None:
     assert [event.kind for event in events] == ["lift_off", "lift_off"]
     assert events[0].text.startswith("Lift-off at 1763776828.500 s:")
     assert "4970 s ahead of this clock" in events[1].text
+
+
+def test_a_planner_that_starts_in_mid_flight_publishes_the_flight_s_own_start(tmp_path) -> None:
+    """Without a state file, from the latched lift-off: trajectories begin there from the first."""
+    write_plan(PLAN, tmp_path / "plan.json")
+    with Graph() as graph:
+        bridge = graph.observer.create_publisher(Time, topics.LIFT_OFF, qos.latched())
+        bridge.publish(encode_time(at(3.0)))
+        node = graph.add(
+            PlannerNode,
+            use_sim_time=True,
+            await_lift_off=True,
+            plan_file=str(tmp_path / "plan.json"),
+        )
+        got = graph.collect(MultiDOFJointTrajectory, topics.trajectory("uav1"), qos.latched())
+        graph.until(lambda: node._heard_ns is not None)
+        graph.at(60.0)
+        graph.until(lambda: got)
+        starts = [decode_trajectory(each).start_ns for each in got]
+    assert starts == [at(3.0)]
