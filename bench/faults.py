@@ -57,9 +57,6 @@ SCENARIO = """\
     starts: {count: 2}
     mission: {slot_count: 20}
     search: {moves: 20000, starts: 1}
-simulated_fleet:
-  ros__parameters:
-    control_port: PORT
 """
 
 
@@ -145,12 +142,10 @@ class Watcher:
         self.context.try_shutdown()
 
 
-def fly(
-    run: Run, directory: Path, plan: Path, domain: int, port: int, speedup: float
-) -> list[Event]:
+def fly(run: Run, directory: Path, plan: Path, domain: int, speedup: float) -> list[Event]:
     """One flight with its fault; returns the events heard while it went on."""
     scenario = directory / "scene.yaml"
-    scenario.write_text(SCENARIO.replace("PORT", str(port)), encoding="utf-8")
+    scenario.write_text(SCENARIO, encoding="utf-8")
     out = directory / "run"
     command = [sys.executable, "-m", "jfto", "run", str(scenario), "-o", str(out)]
     command += ["--plan", str(plan), "--vehicles", "sim", "--speedup", f"{speedup:g}"]
@@ -166,7 +161,7 @@ def fly(
         )
         try:
             if watcher.spin_until(lambda: watcher.flown_s() >= run.at_s, process, end_s):
-                inject(run, out, port)
+                inject(run, out)
             else:
                 run.wrong.append("ended before the fault")
             watcher.spin_until(lambda: False, process, end_s)
@@ -176,22 +171,24 @@ def fly(
                 run.wrong.append(f"hangs after {LIMIT_S:g} s")
                 process.send_signal(signal.SIGINT)
                 process.send_signal(signal.SIGINT)
-                process.wait(30.0)
+                process.wait(LIMIT_S)
             watcher.close()
     run.wall_s = time.monotonic() - begun_s
     return watcher.events
 
 
-def inject(run: Run, out: Path, port: int) -> None:
+def inject(run: Run, out: Path) -> None:
     """Let it happen."""
     kind = KINDS[run.kind]
+    state = json.loads((out / "status.json").read_text(encoding="utf-8"))
     if kind.process:
-        state = json.loads((out / "status.json").read_text(encoding="utf-8"))
         os.kill(state[kind.process]["pid"], signal.SIGKILL)
         return
+    words = Path(f"/proc/{state['simulated_fleet']['pid']}/cmdline").read_text().split("\0")
+    (port,) = [int(word.partition(":=")[2]) for word in words if word.startswith("control_port:=")]
     line = kind.line.format(n=IDS.index(run.uav) + 1)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
-        sender.settimeout(5.0)
+        sender.settimeout(30.0)
         sender.sendto(line.encode(), ("127.0.0.1", port))
         answer = sender.recv(512).decode()
     if answer.startswith("error"):
@@ -260,6 +257,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--speedup", type=float, default=10.0)
     parser.add_argument("--kinds", default=",".join(KINDS))
+    parser.add_argument("--plan", type=Path, help="The plan that all fly; else made.")
     parser.add_argument("--keep", type=Path, metavar="DIR", help="Keep all runs there.")
     options = parser.parse_args()
     rng = random.Random(options.seed)
@@ -271,13 +269,12 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as temporary:
         top = options.keep or Path(temporary)
         top.mkdir(parents=True, exist_ok=True)
-        plan = make_plan(top)
+        plan = options.plan or make_plan(top)
         for number, run in enumerate(runs, 1):
             directory = top / f"run{number:02d}-{run.kind}"
             directory.mkdir()
             domain = (os.getpid() + number) % 200 + 1
-            port = free_port()
-            heard = fly(run, directory, plan, domain, port, options.speedup)
+            heard = fly(run, directory, plan, domain, options.speedup)
             judge(run, heard, directory / "run")
             tell(number, run)
     bad = [run for run in runs if run.wrong]
@@ -288,17 +285,10 @@ def main() -> int:
 def make_plan(top: Path) -> Path:
     """The plan that all runs fly."""
     scenario, plan = top / "plan.yaml", top / "plan.json"
-    scenario.write_text(SCENARIO.replace("PORT", "0"), encoding="utf-8")
+    scenario.write_text(SCENARIO, encoding="utf-8")
     command = [sys.executable, "-m", "jfto", "plan", str(scenario), "-o", str(plan)]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     return plan
-
-
-def free_port() -> int:
-    """A UDP port that nobody has now."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 def tell(number: int, run: Run) -> None:

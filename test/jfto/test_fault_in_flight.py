@@ -17,7 +17,6 @@ from rcl_interfaces.msg import Log
 from rclpy.serialization import deserialize_message
 
 from jfto.bag.reader import Bag
-from jfto_mavlink.link.free_port import free_udp_port
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.events import decode_event
 from support.graph import Graph
@@ -29,15 +28,11 @@ LIMIT_S = 400.0
 
 @pytest.fixture
 def flight(tmp_path):
-    """A run on its way, its directory, and the port that takes fault lines."""
-    port = free_udp_port()
-    scenario = tmp_path / "scene.yaml"
-    control = f"simulated_fleet:\n  ros__parameters:\n    control_port: {port}\n"
-    scenario.write_text(SHORT.read_text(encoding="utf-8") + control, encoding="utf-8")
+    """A run on its way, and its directory."""
     with Graph() as graph:
         out = tmp_path / "run"
         process = subprocess.Popen(
-            [sys.executable, "-m", "jfto", "run", str(scenario), "-o", str(out), "--speedup", "8"],
+            [sys.executable, "-m", "jfto", "run", str(SHORT), "-o", str(out), "--speedup", "8"],
             env={
                 **os.environ,
                 "PYTHONPATH": os.pathsep.join(sys.path),
@@ -49,10 +44,23 @@ def flight(tmp_path):
             text=True,
         )
         try:
-            yield graph, process, out, port
+            yield graph, process, out
         finally:
             process.kill()
             process.communicate()
+
+
+def pid_of(out: Path, name: str) -> int:
+    """A process of the run."""
+    return json.loads((out / "status.json").read_text(encoding="utf-8"))[name]["pid"]
+
+
+def fault(out: Path, line: str) -> None:
+    """A fault line to the simulated fleet."""
+    words = Path(f"/proc/{pid_of(out, 'simulated_fleet')}/cmdline").read_text().split("\0")
+    (port,) = [int(word.partition(":=")[2]) for word in words if word.startswith("control_port:=")]
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        sender.sendto(line.encode(), ("127.0.0.1", port))
 
 
 def spin_until(graph, process, condition) -> None:
@@ -66,17 +74,15 @@ def spin_until(graph, process, condition) -> None:
 
 def test_a_flight_outlives_a_vehicle_and_its_bridge(flight) -> None:
     """The others fly on and land; each has an end, each fault its line, and the bag has it all."""
-    graph, process, out, port = flight
+    graph, process, out = flight
     lift_offs = graph.collect(Time, topics.LIFT_OFF, qos.latched())
     heard = graph.collect(Log, topics.EVENTS, qos.events())
     spin_until(graph, process, lambda: lift_offs)
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
-        sender.sendto(b"kill 3", ("127.0.0.1", port))
+    fault(out, "kill 3")
     spin_until(
         graph, process, lambda: any((e.function, e.file) == ("vehicle", "uav3") for e in heard)
     )
-    state = json.loads((out / "status.json").read_text(encoding="utf-8"))
-    os.kill(state["mavlink_bridge"]["pid"], signal.SIGKILL)
+    os.kill(pid_of(out, "mavlink_bridge"), signal.SIGKILL)
     output, _ = process.communicate(timeout=LIMIT_S)
     bag = Bag(out / "bag")
     events = [
