@@ -102,15 +102,17 @@ def plan_horizon(
     slot_count: int,
     channel: Channel,
     radio: Radio,
+    reserve: float = 0.0,
 ) -> HorizonPower:
     """Best powers of a horizon.
 
     `positions_m` is (slots, UAVs, 3) in the order of `adjacency.uav_ids`. A horizon that ends
     before slot N may use its share of the energy left, but never less than its least powers cost;
     at slot N and on the way home the least powers are all that is spent. The current slot costs
-    energy like any other. A UAV that cannot pay for its least powers is held as long as it can and
-    silent then; the others go on. Raises MessageError if the two messages are not of one horizon.
-    Source: (P4).
+    energy like any other, and `reserve` is the share of what is left that is only spent on least
+    powers, for a future that turns out dearer than predicted. A UAV that cannot pay for its least
+    powers is held as long as it can and silent then; the others go on. Raises MessageError if the
+    two messages are not of one horizon. Source: (P4).
     """
     if adjacency.horizon != intervals.horizon or adjacency.uav_ids != intervals.uav_ids:
         raise MessageError("power_interval", "is not of the same horizon as the adjacency")
@@ -120,7 +122,7 @@ def plan_horizon(
     left = np.array([left_j[uav_id] for uav_id in adjacency.uav_ids])
     floor = low.sum(axis=0) * horizon.duration_s
     slots_left = max(slot_count + 1 - horizon.first, horizon.count)
-    share = 0.0 if horizon.first >= slot_count else horizon.count / slots_left
+    share = 0.0 if horizon.first >= slot_count else (1.0 - reserve) * horizon.count / slots_left
     budget = np.minimum(np.maximum(left * share, floor), left)
     shortage = None
     try:

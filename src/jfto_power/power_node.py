@@ -60,7 +60,7 @@ class PowerNode(GraphNode[PowerOptions]):
         ids = scenario.fleet.ids
         self._radio = scenario.radio.record()
         self._channel = make_channel(self._radio)
-        self._slot_count = scenario.mission.slot_count
+        self._slot_count, self._reserve = scenario.mission.slot_count, options.energy_reserve
         self._served = (options.uav_id,) if options.uav_id else ids
         budget_j = dict(zip(ids, scenario.fleet.energy_j, strict=True))
         self._account = EnergyAccount(
@@ -170,6 +170,7 @@ class PowerNode(GraphNode[PowerOptions]):
                 slot_count=self._slot_count,
                 channel=self._channel,
                 radio=self._radio,
+                reserve=self._reserve,
             )
         except JftoError as error:
             # What others ask for cannot be solved: the last schedule stays in force.

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from jfto_msgs_py.episodes import Episodes
 from jfto_msgs_py.ros.events import ERROR, INFO, WARN
 from jfto_topology.ctop import ctop
-from jfto_topology.horizon import HorizonTopology, Links
+from jfto_topology.horizon import HorizonTopology
+from jfto_topology.links import Links
 from jfto_topology.look_ahead import Danger, Rules, energy_danger, look_ahead
 from jfto_world.motion.fleet_prediction import FleetPrediction
 

@@ -8,10 +8,10 @@ import numpy as np
 
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.network import Adjacency, PowerIntervals, SlotHorizon
-from jfto_topology.ctop import Topology, ctop
+from jfto_topology.ctop import Topology
+from jfto_topology.links import Links
 from jfto_topology.slot_clock import SlotClock
 from jfto_world.motion.fleet_prediction import FleetPrediction
-from jfto_world.radio import Channel
 
 # A topology takes two.
 _LEAST_UAVS = 2
@@ -46,22 +46,12 @@ class HorizonSettings:
 
 
 @dataclass(frozen=True)
-class Links:
-    """The radio rules: channel, greatest powers by UAV (W), sensitivity (W), K_min and δ."""
-
-    channel: Channel
-    p_max_w: dict[str, float]
-    sensitivity_w: float
-    k_min: int
-    delta: int
-
-
-@dataclass(frozen=True)
 class HorizonTopology:
     """Topology of one horizon over the UAVs that are fresh.
 
     `excluded` names the UAVs left out as stale, `late` those predicted from a pose older than the
-    slot. `k_min` is what was asked of so many UAVs, lower than the mission's if too few are left.
+    slot. `k_min` is what was asked of so many UAVs in the current slot, lower than the mission's if
+    too few are left or the energy does not last for more.
     `blind` says that hardly anybody is heard, so that all are predicted from their last poses.
     `lag_s` is the fleet's lag, None where nobody is under way, `shift_s` that of the slots.
     """
@@ -78,7 +68,10 @@ class HorizonTopology:
 
 
 class TopologyHorizon:
-    """Decides when a slot's topology is due, and computes it; knows no clock of its own."""
+    """Decides when a slot's topology is due, and computes it; knows no clock of its own.
+
+    `links` may be replaced between slots, and `left_j`, the energy left by UAV, kept up to date.
+    """
 
     def __init__(
         self, prediction: FleetPrediction, links: Links, settings: HorizonSettings
@@ -86,6 +79,7 @@ class TopologyHorizon:
         self.prediction = prediction
         self.links = links
         self.settings = settings
+        self.left_j: dict[str, float] = {}
         self._clock = SlotClock(prediction.start_ns, settings.slot_count, settings.slot_duration_s)
         self._given_up: set[str] = set()
         self._few_since_ns: int | None = None
@@ -148,14 +142,12 @@ class TopologyHorizon:
         left = self.settings.slot_count + 1 - slot
         count = min(self.settings.horizon_slots or left, left)
         horizon = SlotHorizon(slot, t0_ns, self.settings.slot_duration_s, count)
-        k_min = min(self.links.k_min, len(uav_ids) - 1)
-        topology = ctop(
-            self.prediction.positions(uav_ids, horizon.instants_ns),
-            self.links.channel,
-            np.array([self.links.p_max_w[uav_id] for uav_id in uav_ids]),
-            self.links.sensitivity_w,
-            k_min,
-            self.links.delta,
+        end_ns = horizon.instants_ns[-1] + round(horizon.duration_s * 1e9)
+        topology, k_min = self.links.topology(
+            uav_ids,
+            self.prediction.positions(uav_ids, np.append(horizon.instants_ns, end_ns)),
+            horizon.duration_s,
+            self.left_j,
         )
         bounds_w = np.stack([topology.p_min_w, topology.p_upper_w], axis=-1)
         return HorizonTopology(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -15,6 +16,7 @@ from visualization_msgs.msg import MarkerArray
 from jfto_msgs_py.clock_watch import ClockWatch
 from jfto_msgs_py.errors import InputError, MessageError
 from jfto_msgs_py.ros import qos, topics
+from jfto_msgs_py.ros.air import decode_air_array
 from jfto_msgs_py.ros.diagnostics import Status
 from jfto_msgs_py.ros.energy import decode_energy_left
 from jfto_msgs_py.ros.events import WARN
@@ -25,14 +27,15 @@ from jfto_msgs_py.scenario import Scenario
 from jfto_msgs_py.units import dbm_to_w, ratio_to_db
 from jfto_topology.fleet_news import FleetNews
 from jfto_topology.flight_watch import FlightWatch
-from jfto_topology.horizon import HorizonSettings, HorizonTopology, Links, TopologyHorizon
+from jfto_topology.horizon import HorizonSettings, HorizonTopology, TopologyHorizon
+from jfto_topology.links import SPREADS, Links
 from jfto_topology.markers import Scene, encode_markers
 from jfto_topology.terrain_mesh import encode_terrain
 from jfto_topology.topology_options import TopologyOptions
 from jfto_topology.topology_status import Heard, about_node, about_uav
 from jfto_world.motion.fleet_plan import FleetPlan
 from jfto_world.motion.fleet_prediction import FleetPrediction
-from jfto_world.radio import make_channel, pairwise_distances
+from jfto_world.radio import LossEstimate, make_channel, pairwise_distances
 from jfto_world.terrain import Dem
 
 # How soon to look again for a fleet that nobody hears of, at least.
@@ -66,7 +69,9 @@ class TopologyNode(GraphNode[TopologyOptions]):
             float(dbm_to_w(radio.sensitivity_dbm)),
             network.k_min,
             network.delta,
+            options.margin_db,
         )
+        self._losses = LossEstimate(self._links.channel)
         self._news = FleetNews(self._prediction)
         self._watch = FlightWatch(
             self._prediction, self._links, scenario.mission.d_min_m, options.watch_slots
@@ -75,6 +80,10 @@ class TopologyNode(GraphNode[TopologyOptions]):
         self.create_subscription(
             Float64MultiArray, topics.ENERGY_LEFT, self._on_energy, qos.latched()
         )
+        if options.learn_loss:
+            self.create_subscription(
+                Float64MultiArray, topics.AIR_GAIN, self._on_gain, qos.default()
+            )
         for uav in scenario.fleet.ids:
             self.create_subscription(
                 MultiDOFJointTrajectory,
@@ -142,7 +151,9 @@ class TopologyNode(GraphNode[TopologyOptions]):
             # A short slot leaves less time to wait.
             min(options.pose_wait_s, 0.5 * duration_s / slots),
         )
-        return TopologyHorizon(self._prediction, self._links, settings)
+        horizon = TopologyHorizon(self._prediction, self._links, settings)
+        horizon.left_j = self._left_j
+        return horizon
 
     def _on_pose(self, uav: str, message: Any) -> None:
         self._follow_clock()
@@ -156,6 +167,20 @@ class TopologyNode(GraphNode[TopologyOptions]):
         left_j = self.intake.take(topics.ENERGY_LEFT, decode_energy_left, message)
         if left_j is not None:
             self._left_j.update(left_j)
+
+    def _on_gain(self, message: Any) -> None:
+        """Compare what radios hear with the channel, where their UAVs are believed to be."""
+        decode = partial(decode_air_array, rank=2)
+        heard = self.intake.take(topics.AIR_GAIN, decode, message)
+        if heard is None or not set(heard[1]) <= set(self._prediction.uav_ids):
+            return
+        stamp_ns, uav_ids, gain = heard
+        at = self._prediction.positions(uav_ids, np.array([stamp_ns]))[0]
+        self._losses.take(stamp_ns, gain, at)
+        margin_db = self._options.margin_db + SPREADS * self._losses.spread_db
+        self._links = replace(self._links, loss_db=self._losses.loss_db, margin_db=margin_db)
+        if self._horizon is not None:
+            self._horizon.links = self._links
 
     def _follow_clock(self) -> None:
         """Forget poses that a clock has stamped which was since set back."""

@@ -21,6 +21,17 @@ class TopologyOptions:
     pose_wait_s: float = param(
         0.2, "How long after a slot's beginning poses are waited for.", unit="s", low=0.0, high=60.0
     )
+    margin_db: float = param(
+        0.5,
+        "Margin that links keep through their whole slot, besides two standard deviations of what "
+        "they are measured to lose.",
+        unit="dB",
+        low=0.0,
+        high=30.0,
+    )
+    learn_loss: bool = param(
+        True, "Reckon with the loss that radios measure (/jfto/air/gain) beyond the channel's."
+    )
     markers: bool = param(True, "Publish markers for RViz and Foxglove.")
     watch_slots: int = param(
         20, "Slots ahead in which breaches of the certificate are looked for.", low=1, high=10_000

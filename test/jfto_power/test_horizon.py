@@ -21,7 +21,10 @@ POSITIONS = np.tile(np.array([[0.0, 0, 0], [300.0, 0, 0]]), (5, 1, 1))
 
 
 def _plan(
-    left_j: float | dict[str, float], slot_count: int = 10, intervals_of: SlotHorizon = HORIZON
+    left_j: float | dict[str, float],
+    slot_count: int = 10,
+    intervals_of: SlotHorizon = HORIZON,
+    reserve: float = 0.0,
 ):
     links = np.tile(~np.eye(2, dtype=bool), (5, 1, 1))
     bounds = np.tile(np.array([0.1, 0.5]), (5, 2, 1))
@@ -33,6 +36,7 @@ def _plan(
         slot_count=slot_count,
         channel=make_channel(RADIO),
         radio=RADIO,
+        reserve=reserve,
     )
 
 
@@ -46,6 +50,14 @@ def test_a_horizon_short_of_the_end_saves_its_share() -> None:
     """With 25 slots left, five of them may use a fifth of 15 J."""
     power = _plan(15.0, slot_count=30).schedule.power_w
     np.testing.assert_allclose(power.sum(axis=0) * 2.0, 3.0, rtol=1e-9)
+
+
+def test_a_reserve_is_kept_back_from_all_but_the_least_powers() -> None:
+    """A tenth of 3 J leaves 0.27 W in each slot; least powers of 1 J are paid from 1.05 J."""
+    np.testing.assert_allclose(_plan(3.0, reserve=0.1).schedule.power_w, 0.27, rtol=1e-9)
+    tight = _plan(1.05, reserve=0.1)
+    assert tight.shortage is None
+    np.testing.assert_allclose(tight.schedule.power_w, 0.1, rtol=1e-9)
 
 
 def test_the_least_powers_come_before_saving() -> None:

@@ -11,7 +11,8 @@ from jfto_msgs_py.ros.events import ERROR, INFO, WARN
 from jfto_msgs_py.vehicle import TimedTrajectory, VehiclePose
 from jfto_topology.fleet_news import FleetNews
 from jfto_topology.flight_watch import FlightWatch
-from jfto_topology.horizon import HorizonSettings, Links, TopologyHorizon
+from jfto_topology.horizon import HorizonSettings, TopologyHorizon
+from jfto_topology.links import Links
 from jfto_world.motion.fleet_prediction import FleetPrediction
 from jfto_world.radio import LogDistanceChannel
 from support.fleets import START_NS, at

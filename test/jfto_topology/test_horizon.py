@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from jfto_msgs_py.errors import InputError
-from jfto_topology.horizon import HorizonSettings, Links, TopologyHorizon
+from jfto_topology.horizon import HorizonSettings, TopologyHorizon
+from jfto_topology.links import Links
 from jfto_world.radio import LogDistanceChannel
 from support.fleets import at, column, pose
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped
@@ -10,13 +11,16 @@ from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 from visualization_msgs.msg import Marker, MarkerArray
 
+from jfto_msgs_py.radio import Radio
 from jfto_msgs_py.ros import qos, topics
+from jfto_msgs_py.ros.air import encode_air
 from jfto_msgs_py.ros.energy import encode_energy_left
 from jfto_msgs_py.ros.events import ERROR, INFO, WARN, Event, decode_event
 from jfto_msgs_py.ros.network import decode_adjacency, decode_power_intervals
 from jfto_msgs_py.ros.vehicle import encode_pose, encode_trajectory
+from jfto_sim.air import Air, AirMember, AirSettings
 from jfto_topology.topology_node import TopologyNode
-from support.fleets import at, eastward, pose
+from support.fleets import START_NS, at, eastward, pose
 from support.graph import Graph
 
 IDS = ("uav1", "uav2", "uav3")
@@ -256,3 +260,34 @@ def test_energy_that_will_not_last_is_announced_before(graph) -> None:
         (ERROR, "energy", "uav1"),
     }
     assert "cannot pay for its least powers from slot" in event.text
+
+
+def _least_w(fleet: _Fleet) -> float:
+    """Least power of the first UAV in the current slot of the latest topology."""
+    return float(decode_power_intervals(fleet.intervals[-1]).bounds_w[0, 0, 0])
+
+
+@pytest.mark.parametrize(("learn_loss", "ratio"), [(True, 2.0), (False, 1.0)])
+def test_loss_that_radios_measure_raises_the_least_powers(graph, learn_loss, ratio) -> None:
+    """Where links lose 3 dB more than planned, the powers double, unless that is not wanted."""
+    fleet = _start(graph, learn_loss=learn_loss)
+    heard = graph.observer.create_publisher(Float64MultiArray, topics.AIR_GAIN, qos.default())
+    graph.at(0.5)
+    fleet.measure(0.4, *IDS)
+    graph.until(lambda: len(fleet.intervals) == 1)
+    before = _least_w(fleet)
+    air = Air(
+        [AirMember(uav, 30.0, 50.0) for uav in IDS], Radio(), AirSettings(path_loss_error_db=3.0)
+    )
+    at = np.array([[0.0, 100.0 * index, 50.0] for index in range(3)])
+    if learn_loss:
+        graph.until(heard.get_subscription_count)
+    # Enough of them to outweigh the belief that all is as planned.
+    for report in range(100):
+        stamp_ns = START_NS + round((0.5 + 0.01 * report) * 1e9)
+        heard.publish(encode_air(air.step(0.01, at, stamp_ns=stamp_ns))[topics.AIR_GAIN])
+        graph.executor.spin_once(timeout_sec=0.0)
+    graph.at(2.1)
+    fleet.measure(2.05, *IDS)
+    graph.until(lambda: len(fleet.intervals) == 2)
+    assert _least_w(fleet) / before == pytest.approx(ratio, rel=0.1)

@@ -127,13 +127,25 @@ TOPICS = (
         "power read back from the radio, dBm; -inf for silence",
     ),
     *(
-        Topic(topic, "std_msgs/msg/Float64MultiArray", qos.default, (_FLEET,), ("any",), doc)
-        for topic, doc in (
-            (topics.AIR_POWER, "[uav], power really sent in W; every 0.5 s, as all of the air's"),
-            (topics.AIR_ENERGY, "[uav], energy sent so far in J"),
-            (topics.AIR_RATE, "[uav, uav], bit/s over links, 0 where there is none"),
-            (topics.AIR_DELIVERY, "[uav, uav], share of packets that arrive, from row to column"),
-            (topics.AIR_GAIN, "[uav, uav], path gain that receivers measure, 0: nothing heard"),
+        Topic(topic, "std_msgs/msg/Float64MultiArray", qos.default, (_FLEET,), (to,), doc)
+        for topic, to, doc in (
+            (
+                topics.AIR_POWER,
+                "any",
+                "[uav], W really sent; every 0.5 s, as all of these",
+            ),
+            (topics.AIR_ENERGY, "any", "[uav], energy sent so far in J"),
+            (topics.AIR_RATE, "any", "[uav, uav], bit/s over links, 0 where there is none"),
+            (
+                topics.AIR_DELIVERY,
+                "any",
+                "[uav, uav], share of packets that arrive",
+            ),
+            (
+                topics.AIR_GAIN,
+                _TOPOLOGY,
+                "[uav, uav], path gain as received, 0: not heard",
+            ),
         )
     ),
     Topic(

@@ -2,11 +2,13 @@
 
 from jfto_world.radio.channel import Channel, LogDistanceChannel, make_channel
 from jfto_world.radio.link import degrees, mutual_links, pairwise_distances
+from jfto_world.radio.loss_estimate import LossEstimate
 from jfto_world.radio.rate import noise_w, rate_bps
 
 __all__ = [
     "Channel",
     "LogDistanceChannel",
+    "LossEstimate",
     "degrees",
     "make_channel",
     "mutual_links",

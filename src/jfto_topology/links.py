@@ -1,0 +1,72 @@
+"""The radio rules of a fleet, and the topology that they make of predicted positions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jfto_msgs_py.units import db_to_ratio
+from jfto_topology.affordable import affordable
+from jfto_topology.ctop import Topology, ctop, ctop_of_gain
+from jfto_topology.guarded_gain import guarded_gain
+from jfto_world.radio import Channel, pairwise_distances
+
+Array = NDArray[np.float64]
+
+# Standard deviations of measured losses that a margin takes in.
+SPREADS = 2.0
+
+
+@dataclass(frozen=True)
+class Links:
+    """Channel, greatest powers by UAV (W), sensitivity (W), K_min and δ.
+
+    With a `margin_db`, links keep this many dB in hand through the whole slot; `loss_db` is what
+    they are believed to lose beyond the channel's loss.
+    """
+
+    channel: Channel
+    p_max_w: dict[str, float]
+    sensitivity_w: float
+    k_min: int
+    delta: int
+    margin_db: float | None = None
+    loss_db: float = 0.0
+
+    def topology(
+        self,
+        uav_ids: tuple[str, ...],
+        positions_m: Array,
+        slot_duration_s: float,
+        left_j: Mapping[str, float],
+    ) -> tuple[Topology, int]:
+        """Topology of M slots at `positions_m` (M + 1, A, 3), the last row being their end.
+
+        `left_j` is the energy left to UAVs, as far as it is known. With a margin, one without any
+        is nobody's neighbour, and where one cannot pay for all slots, slots give way: first the
+        margin goes, then one neighbour after the other, but never the connection of the fleet.
+        Returns K_min of the first slot too.
+        """
+        k_min = min(self.k_min, len(uav_ids) - 1)
+        p_max_w = np.array([self.p_max_w[uav_id] for uav_id in uav_ids])
+        if self.margin_db is None:
+            rules = (self.channel, p_max_w, self.sensitivity_w, k_min, self.delta)
+            return ctop(positions_m[:-1], *rules), k_min
+        energy_j = np.array([left_j.get(uav_id, np.inf) for uav_id in uav_ids])
+        gain = self.channel.gain(pairwise_distances(positions_m)) * db_to_ratio(-self.loss_db)
+        gain[:, energy_j <= 0] = 0.0
+        gain[:, :, energy_j <= 0] = 0.0
+
+        def wish(wanted: int, margin_db: float) -> Topology:
+            guarded = guarded_gain(gain, p_max_w, self.sensitivity_w, margin_db)
+            return ctop_of_gain(guarded, p_max_w, self.sensitivity_w, wanted, self.delta)
+
+        wishes = [(k_min, self.margin_db), *((k, 0.0) for k in range(k_min, 0, -1))]
+        topology, chosen = affordable(
+            [partial(wish, *each) for each in wishes], energy_j, slot_duration_s
+        )
+        return topology, wishes[chosen[0]][0]
