@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
 from bisect import bisect_right
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -12,11 +12,16 @@ from typing import Any
 
 import numpy as np
 
+from jfto_msgs_py.network import SlotHorizon
 from jfto_msgs_py.ros import topics
+from jfto_msgs_py.ros.labels import parse_slot_label
 
 Pair = tuple[str, Any, Any]
 # Two runs change a setpoint at the same slot, but not in the same millisecond.
 _JITTER_NS = 250_000_000
+# Nor do they agree on when a slot begins better than to this part of it.
+_GAP_SLOTS = 0.25
+_BEGINNING = re.compile("(?<=;)t0=[^;]*;?")
 
 
 @dataclass(frozen=True)
@@ -46,9 +51,10 @@ def compare_topic(
     """Compare the messages of a topic.
 
     Links must be the same; powers may differ by `tolerance_db`, two that are zero are equal.
-    Messages of a horizon are paired by its first slot; of setpoints, those in force are compared
-    wherever both have been so for a while. What was replayed before the first or after the last
-    recorded message is left out: the node or the recorder was not there.
+    Messages of a horizon are paired by its first slot, the nearest in time where there are several;
+    of setpoints, those in force are compared wherever both have been so for a while. What was
+    replayed before the first or after the last recorded message is left out: the node or the
+    recorder was not there.
     """
     if topic in {topics.ADJACENCY, topics.POWER_INTERVAL, topics.POWER_SCHEDULE}:
         compare = _links if topic == topics.ADJACENCY else _powers_db
@@ -73,28 +79,47 @@ def compare_topic(
 def _horizon_pairs(
     recorded: Sequence[Stamped], replayed: Sequence[Stamped]
 ) -> tuple[list[Pair], list[str]]:
-    one, other = _by_slot(recorded), _by_slot(replayed)
-    pairs = [(name, one[name].message, other[name].message) for name in one if name in other]
-    problems = [f"{name} was recorded, but not replayed." for name in one if name not in other]
+    """Pairs of messages for one slot that begin together.
+
+    Slots shift with the fleet as its poses are taken in: two runs agree on their beginning but for
+    the order in which messages came.
+    """
+    left = list(replayed)
+    pairs, problems = [], []
+    for one in recorded:
+        horizon = _horizon(one)
+        near = [other for other in left if _gap_ns(horizon, _horizon(other)) is not None]
+        if not near:
+            problems.append(f"{_name(horizon)} was recorded, but not replayed.")
+            continue
+        other = min(near, key=lambda each: _gap_ns(horizon, _horizon(each)) or 0)
+        left.remove(other)
+        pairs.append((_name(horizon), one.message, other.message))
     if recorded:
         first_ns, last_ns = recorded[0].stamp_ns, recorded[-1].stamp_ns
         problems += [
-            f"{name} was replayed, but not recorded."
-            for name, each in other.items()
-            if name not in one and first_ns < each.stamp_ns < last_ns
+            f"{_name(_horizon(each))} was replayed, but not recorded."
+            for each in left
+            if first_ns < each.stamp_ns < last_ns
         ]
     return pairs, problems
 
 
-def _by_slot(messages: Sequence[Stamped]) -> dict[str, Stamped]:
-    """Messages by first slot and its time; of several for one slot the number tells them apart."""
-    found: dict[str, Stamped] = {}
-    counts: Counter[str] = Counter()
-    for each in messages:
-        name = " ".join(each.message.layout.dim[0].label.split(";")[:3])
-        counts[name] += 1
-        found[f"{name} number {counts[name]}" if counts[name] > 1 else name] = each
-    return found
+def _horizon(stamped: Stamped) -> SlotHorizon:
+    dim = stamped.message.layout.dim[0]
+    return parse_slot_label(dim.label, dim.size)
+
+
+def _gap_ns(one: SlotHorizon, other: SlotHorizon) -> int | None:
+    """Time between the beginnings of one and the same slot; None where that is too much."""
+    gap_ns = abs(one.t0_ns - other.t0_ns)
+    if one.first != other.first or gap_ns > _GAP_SLOTS * one.duration_s * 1e9:
+        return None
+    return gap_ns
+
+
+def _name(horizon: SlotHorizon) -> str:
+    return f"slot {horizon.first} at {horizon.t0_ns / 1e9:.3f} s"
 
 
 def _setpoint_pairs(
@@ -142,6 +167,9 @@ def _setpoint_db(one: Any, other: Any) -> float:
 
 
 def _same_layout(one: Any, other: Any) -> bool:
-    return [(dim.label, dim.size) for dim in one.layout.dim] == [
-        (dim.label, dim.size) for dim in other.layout.dim
-    ]
+    return _layout(one) == _layout(other)
+
+
+def _layout(message: Any) -> list[tuple[str, int]]:
+    """Labels and sizes of the dimensions, without when the first slot begins."""
+    return [(_BEGINNING.sub("", dim.label), dim.size) for dim in message.layout.dim]

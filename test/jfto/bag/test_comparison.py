@@ -23,9 +23,9 @@ def _schedule(first, power_w):
     return Stamped(first * SECOND, message)
 
 
-def _adjacency(first, linked):
+def _adjacency(first, linked, late_ns=0):
     links = np.array([[[False, linked], [linked, False]]])
-    horizon = SlotHorizon(first, first * SECOND, 1.0, 1)
+    horizon = SlotHorizon(first, first * SECOND + late_ns, 1.0, 1)
     return Stamped(first * SECOND, encode_adjacency(Adjacency(horizon, IDS, links)))
 
 
@@ -45,7 +45,7 @@ def test_powers_may_differ_by_the_tolerance_and_no_more():
         topics.POWER_SCHEDULE, recorded, [_schedule(3, [0.1 * 10**0.006, 0.2])], 0.05
     )
     assert len(beyond.problems) == 1
-    assert "first=3" in beyond.problems[0]
+    assert "slot 3 " in beyond.problems[0]
 
 
 def test_power_that_became_zero_is_infinitely_far():
@@ -67,8 +67,31 @@ def test_slots_that_are_missing_or_too_many_are_named():
     replayed = [_adjacency(first, True) for first in (1, 3, 4, 5)]
     found = compare_topic(topics.ADJACENCY, recorded, replayed, 0.05)
     assert len(found.problems) == 2
-    assert "first=2" in found.problems[0]
-    assert "first=3" in found.problems[1]
+    assert "slot 2 " in found.problems[0]
+    assert "slot 3 " in found.problems[1]
+
+
+def test_a_slot_that_was_shifted_a_little_otherwise_is_the_same_slot():
+    """Slots shift with the fleet: up to a quarter of their length is the order of messages."""
+    recorded = [_adjacency(2, True), _adjacency(3, True)]
+    little = [_adjacency(2, True, SECOND // 5), _adjacency(3, True, -SECOND // 5)]
+    found = compare_topic(topics.ADJACENCY, recorded, little, 0.0)
+    assert (found.problems, found.compared, found.worst) == ((), 2, 0.0)
+    much = [_adjacency(2, True), _adjacency(3, True, SECOND // 3)]
+    found = compare_topic(topics.ADJACENCY, recorded, much, 0.0)
+    assert found.compared == 1
+    assert "slot 3 at 3.000 s was recorded, but not replayed." in found.problems
+
+
+def test_the_last_slot_may_be_solved_again_and_again():
+    """Each time is compared with the one nearest to it."""
+    times_ns = (0, SECOND, 2 * SECOND)
+    recorded = [
+        _adjacency(7, linked, late)
+        for linked, late in zip((True, False, True), times_ns, strict=True)
+    ]
+    found = compare_topic(topics.ADJACENCY, recorded, recorded[::-1], 0.0)
+    assert (found.problems, found.compared) == ((), 3)
 
 
 def test_setpoints_in_force_are_compared_and_jitter_is_not():

@@ -1,0 +1,82 @@
+"""The whole job in short: three UAVs planned, flown at ten times real time, recorded, judged."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from jfto.cli import main
+
+ROOT = Path(__file__).parents[2]
+SCENE = ROOT / "test" / "data" / "scenario" / "short_flight.yaml"
+# A minute on an idle computer; one that runs many tests at once takes several.
+LIMIT_S = 900.0
+
+
+@pytest.fixture(scope="module")
+def flown(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
+    """Directory and printed facts of one run of the short scene."""
+    directory = tmp_path_factory.mktemp("short") / "run"
+    command = [sys.executable, "-m", "jfto", "run", str(SCENE), "-o", str(directory), "--json"]
+    environment = {
+        **os.environ,
+        "PYTHONPATH": str(ROOT / "src"),
+        "ROS_DOMAIN_ID": str(os.getpid() % 100 + 1),
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+    }
+    done = subprocess.run(
+        [*command, "--speedup", "10"],
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=LIMIT_S,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
+    return directory, json.loads(done.stdout)
+
+
+def test_the_run_ends_well_with_everything_in_its_directory(flown) -> None:
+    """Landed by itself, no process died, and plan, bag, logs, facts and report are there."""
+    directory, facts = flown
+    assert facts["flight"]["ended"] == "landed"
+    assert facts["flight"]["good"]
+    assert facts["flight"]["processes_died"] == []
+    names = {path.name for path in directory.iterdir()}
+    assert names >= {"scenario.yaml", "plan.json", "bag", "flight.json", "report.html", "log.txt"}
+    assert {path.name for path in (directory / "tlogs").iterdir()} == {
+        "uav1.tlog",
+        "uav2.tlog",
+        "uav3.tlog",
+    }
+
+
+def test_what_was_flown_keeps_the_plan(flown) -> None:
+    """All waypoints, slots as good as all clean, no energy overdrawn, 95 % of the throughput."""
+    directory, _ = flown
+    flight = json.loads((directory / "flight.json").read_text())
+    assert flight["waypoints"]["visited"] == flight["waypoints"]["count"] == 6
+    assert flight["certificate"]["clean_share"] >= 0.99
+    assert all(one["used_j"] <= one["budget_j"] for one in flight["energy"])
+    assert flight["network"]["throughput_mbps"]["ratio"] >= 0.95
+    assert {one["how"] for one in flight["endings"]} == {"landed"}
+
+
+def test_the_bag_replays_to_the_same_topology_and_powers(flown, capsys) -> None:
+    """The recorded poses through the real nodes again: links equal, powers within 0.25 dB.
+
+    Where slots begin depends on the order in which poses and the clock came: 30 ms are a quarter
+    of a metre, which a link of 10 m feels by 0.2 dB.
+    """
+    bag = str(flown[0] / "bag")
+    replay = ["bag", "replay", bag, "--nodes", "topology,power", "--tolerance", "0.25"]
+    assert main(replay) == 0
+    said = capsys.readouterr().out
+    assert "✓ /jfto/topology/adjacency" in said
+    assert "✓ /jfto/power/schedule" in said
