@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from jfto.as_flown.facts import FlightFacts
-from jfto.figures.relief import draw_north_arrow, draw_relief, draw_scale_bar, drawn_extent
-from jfto.figures.style import PAGE_WIDTH_IN, TROUBLE_COLOUR, new_figure, styled
+from jfto.figures.base_map import draw_pad, finish_map, new_map
+from jfto.figures.style import TROUBLE_COLOUR, styled
 from jfto.flown import flown
 from jfto.palette import uav_colour
 from jfto_world.terrain import Dem
@@ -18,12 +18,7 @@ from jfto_world.terrain import Dem
 def flown_map(facts: FlightFacts, dem: Dem) -> Figure:
     """Planned flight white under the flown track in the UAV's colour; what went wrong is marked."""
     plan = facts.plan
-    points = np.array([w.position_m for w in plan.waypoints] + [u.start_m for u in plan.uavs])
-    extent = drawn_extent(dem, points)
-    ratio = extent[1] / extent[0]
-    figure = new_figure(PAGE_WIDTH_IN, min(8.5, 0.59 * PAGE_WIDTH_IN * ratio + 0.5))
-    axes = figure.add_subplot()
-    draw_relief(axes, dem, extent, fade=0.15)
+    figure, axes = new_map(plan, dem, fade=0.15)
     for index, (uav, planned) in enumerate(zip(plan.uavs, flown(plan), strict=True)):
         colour = uav_colour(index)
         axes.plot(*planned.position_m[:, :2].T, color="white", linewidth=3.0, zorder=3)
@@ -43,24 +38,12 @@ def flown_map(facts: FlightFacts, dem: Dem) -> Figure:
             *track.position_m[in_mission, :2].T, color=colour, linewidth=1.3, zorder=5, label=label
         )
         axes.plot(*track.position_m[home, :2].T, color=colour, linewidth=0.6, alpha=0.6, zorder=5)
-        axes.plot(
-            *uav.start_m[:2],
-            marker="s",
-            markersize=6,
-            markerfacecolor="white",
-            markeredgecolor=colour,
-            markeredgewidth=1.5,
-            zorder=6,
-        )
+        draw_pad(axes, uav.start_m, colour)
     _mark_waypoints(axes, facts)
     _mark_exceptions(axes, facts)
     axes.plot([], [], color="#333333", linewidth=0.7, linestyle=(0, (2, 2)), label="planned")
     axes.plot([], [], color="#777777", linewidth=0.6, label="way home")
-    axes.set_xlabel("East of origin (m)")
-    axes.set_ylabel("North of origin (m)")
-    draw_scale_bar(axes)
-    draw_north_arrow(axes, outside=True)
-    axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0, alignment="left")
+    finish_map(axes)
     return figure
 
 

@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from jfto.figures.relief import draw_north_arrow, draw_relief, draw_scale_bar, drawn_extent
+from jfto.figures.base_map import draw_pad, finish_map, new_map
 from jfto.figures.style import (
-    PAGE_WIDTH_IN,
-    new_figure,
     styled,
     uav_dash,
     uav_marker,
@@ -22,14 +20,7 @@ from jfto_world.terrain import Dem
 @styled
 def route_map(plan: Plan, dem: Dem) -> Figure:
     """Hillshade, routes with their direction, waypoints and pads."""
-    points = np.array(
-        [w.position_m for w in plan.waypoints] + [uav.start_m for uav in plan.uavs], dtype=float
-    )
-    extent = drawn_extent(dem, points)
-    ratio = extent[1] / extent[0]
-    figure = new_figure(PAGE_WIDTH_IN, min(8.5, 0.59 * PAGE_WIDTH_IN * ratio + 0.5))
-    axes = figure.add_subplot()
-    draw_relief(axes, dem, extent)
+    figure, axes = new_map(plan, dem)
     by_id = {waypoint.id: waypoint.position_m for waypoint in plan.waypoints}
     for index, (uav, route) in enumerate(zip(plan.uavs, plan.routes, strict=True)):
         line = np.array([uav.start_m, *(by_id[number] for number in route.waypoint_ids)])
@@ -49,29 +40,8 @@ def route_map(plan: Plan, dem: Dem) -> Figure:
             label=label,
         )
         _draw_direction(axes, line, colour)
-        axes.plot(
-            *line[0, :2],
-            marker="s",
-            markersize=7,
-            markerfacecolor="white",
-            markeredgecolor=colour,
-            markeredgewidth=1.6,
-            zorder=5,
-        )
-    axes.plot(
-        [], [], "s", markersize=6, markerfacecolor="white", markeredgecolor="black", label="pad"
-    )
-    axes.set_xlabel("East of origin (m)")
-    axes.set_ylabel("North of origin (m)")
-    draw_scale_bar(axes)
-    draw_north_arrow(axes, outside=True)
-    axes.legend(
-        loc="upper left",
-        bbox_to_anchor=(1.02, 1.0),
-        borderaxespad=0.0,
-        title=f"{plan.total_length_m / 1000:.2f} km in all",
-        alignment="left",
-    )
+        draw_pad(axes, uav.start_m, colour)
+    finish_map(axes, f"{plan.total_length_m / 1000:.2f} km in all")
     return figure
 
 
