@@ -117,7 +117,7 @@ def test_a_bag_without_a_flight_leaves_the_desk_report(
     outcome = rebuild(tmp_path, Watcher())
     assert outcome.flight is None
     assert outcome.report is not None
-    assert any("holds no pose" in line and "False" in line for line in said)
+    assert any("nobody left the ground" in line and "False" in line for line in said)
 
 
 def test_bags_are_found_in_the_order_they_were_begun(tmp_path: Path) -> None:
