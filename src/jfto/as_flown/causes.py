@@ -98,8 +98,9 @@ class Explainer:
     def _strayed(self, involved: Sequence[int], begin: int, end: int) -> list[str]:
         found = []
         for uav in involved:
-            away_m = float(np.nanmax(self._away_m[begin : end + 1, uav], initial=0.0))
-            if not away_m > _AWAY_M:
+            there = self._grid.present[begin : end + 1, uav]
+            away_m = float(self._away_m[begin : end + 1, uav][there].max(initial=0.0))
+            if away_m <= _AWAY_M:
                 continue
             late_s = self._late_s(self._ids[uav], float(self._grid.times_s[begin]))
             timing = ""

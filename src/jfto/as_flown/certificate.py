@@ -152,7 +152,8 @@ def _exception(
     if kind == "neighbours":
         value, limit = float(instants.degree[rows, who].min()), float(plan.k_min)
         margin = float(instants.margin_db[rows, who].min())
-        message = f"{uav} had {value:.0f} neighbours at P_max in {when}, K_min is {plan.k_min}"
+        word = "neighbour" if value == 1 else "neighbours"
+        message = f"{uav} had {value:.0f} {word} at P_max in {when}, K_min is {plan.k_min}"
     elif kind == "connected":
         value, limit = float(instants.components[rows].max()), 1.0
         message = f"the fleet was in {value:.0f} parts in {when}"

@@ -61,7 +61,7 @@ def flown_grid(flight: RecordedFlight, plan: Plan, end_s: float) -> FlownGrid:
     any slot.
     """
     starts = slot_starts(flight, plan, end_s)
-    starts = starts[starts <= flight.last_s + GAP_S]
+    starts = starts[starts <= flight.last_s]
     if len(starts) < 2:
         raise InputError(
             "The bag holds no pose of the plan's UAVs after lift-off, so nothing was flown on "
