@@ -14,6 +14,9 @@ from jfto_planner.policy.instance import InstanceBatch
 from jfto_planner.policy.model import Policy, Rollouts
 from jfto_planner.policy.training.config import TrainingConfig
 
+# Sets of evaluation problems of the last challenge, and their first number, which no other has.
+SETTLING, UNUSED = 4, 1_000_000
+
 DrawEvaluation = Callable[[int], list[InstanceBatch]]
 
 
@@ -67,6 +70,18 @@ class BestModel:
             self.draws += 1
             self._measure()
         return float(costs.mean()), better
+
+    def settle(self, policy: Policy) -> bool:
+        """The last challenge, on several times as many problems that neither has met."""
+        batches = [batch for number in range(SETTLING) for batch in self.draw(UNUSED + number)]
+        better = significantly_better(
+            greedy_cost(policy, batches, self.config),
+            greedy_cost(self.model, batches, self.config),
+            self.config.significance,
+        )
+        if better:
+            self.model.load_state_dict(policy.state_dict())
+        return better
 
     def restore(self, state: dict[str, Tensor], draws: int) -> None:
         """Continue from a checkpoint."""

@@ -100,6 +100,7 @@ class Trainer:
                 self._append_log(rows)
                 rows = []
                 self._save()
+        self.best.settle(self.policy)
         return self.best.model
 
     def _one_step(self) -> dict[str, float]:
