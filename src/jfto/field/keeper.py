@@ -46,6 +46,8 @@ class FieldKeeper:
         self._drained_j: dict[str, float] = {}
         self._battery: dict[str, float] = {}
         self._landed: set[str] = set()
+        # How late each was that has done its route.
+        self._finished: dict[str, float] = {}
         self._adjacency: Adjacency | None = None
         self._events: list[Event] = []
 
@@ -54,6 +56,7 @@ class FieldKeeper:
         if start_ns == self._start_ns:
             return
         self._start_ns = start_ns
+        self._finished.clear()
         for uav, trajectory in timed_trajectories(self._plan, start_ns).items():
             self._prediction.set_trajectory(uav, trajectory)
         self._book = EnergyBook({uav.id: uav.energy_j for uav in self._plan.uavs})
@@ -135,7 +138,11 @@ class FieldKeeper:
             # Nobody knows how far a silent one has come since.
             reached_s = clock_s - age_s - late_s + _AT_S
             done = int(np.searchsorted(arrivals, reached_s, side="right"))
-            if done < len(arrivals):
+            if uav.id in self._finished or done == len(arrivals):
+                # On the way home it is nowhere along its route.
+                late_s = self._finished.setdefault(uav.id, late_s)
+                done = len(arrivals)
+            else:
                 next_in_s = float(arrivals[done]) + late_s - clock_s
         phase = phases.phase_of(
             self._plan, index, pose, age_s, clock_s, done, landed=uav.id in self._landed

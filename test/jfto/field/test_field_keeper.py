@@ -80,6 +80,22 @@ def test_who_has_done_all_holds_and_who_is_silent_is_said_to_be(plan: Plan) -> N
     assert phases == [LANDED, SILENT, SILENT, SILENT]
 
 
+def test_who_is_on_the_way_home_has_done_its_waypoints_and_is_not_late(plan: Plan) -> None:
+    """Far from its route, a minute after its end: what was done stays done, and on time."""
+    keeper = FieldKeeper(plan, "tiny")
+    keeper.take_lift_off(START_NS)
+    end = plan.slots.horizon_s + 0.5
+    _fly(keeper, plan, end)
+    before = keeper.state(_at(end)).uavs[0]
+    up_m = plan.uavs[0].start_m[2] + 40.0
+    for second in range(1, 61):
+        place = (3.0 * second, -2.0 * second, up_m)
+        keeper.take_pose("uav1", VehiclePose(_at(end + second), place, 0.0))
+    after = keeper.state(_at(end + 60.0)).uavs[0]
+    assert (after.done, after.total) == (before.done, before.done)
+    assert after.late_s == before.late_s == pytest.approx(0.0, abs=0.5)
+
+
 def test_links_are_those_of_the_slot_with_what_they_can_lose(plan: Plan) -> None:
     """Two at 100 m: the weaker power less the path loss less the sensitivity, by hand."""
     keeper = FieldKeeper(plan, "tiny")
