@@ -43,7 +43,7 @@ from jfto_msgs_py.ros import qos, topics  # noqa: E402
 from jfto_msgs_py.ros.events import Event, decode_event  # noqa: E402
 from jfto_msgs_py.ros.stamps import decode_time  # noqa: E402
 
-LIMIT_S = 420.0
+LIMIT_S = 900.0
 IDS = ("uav1", "uav2", "uav3", "uav4")
 # Four UAVs that reach each other everywhere, a dozen waypoints.
 SCENARIO = """\

@@ -5,6 +5,7 @@ Its methods run in the node's executor, `under_way` in the bridge's thread.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from dataclasses import dataclass
@@ -23,36 +24,34 @@ from jfto_mavlink.telemetry import LinkState
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.ros.events import ERROR, WARN
 
-# A vehicle that is not heard for so many times what makes it lost is not waited for.
-HEARD_WAIT_TIMES = 3.0
+# How long vehicles that are not heard are waited for, s; once one is found, so many times what
+# makes a vehicle lost.
+HEARD_WAIT_S = 120.0
+OTHERS_WAIT_TIMES = 3.0
 # Level, kind, UAV or "" and the line.
 Announce = Callable[[int, str, str, str], None]
 
 
 @dataclass(frozen=True)
 class Found:
-    """What all vehicles were found doing when the bridge began."""
+    """What a vehicle was found doing when the bridge began."""
 
-    by_uav: Mapping[str, Recognised]
+    uav: str
+    vehicle: Recognised
 
 
 def recognise_all(
-    bridge: Bridge, missions: Mapping[str, VehicleMission], done: Callable[[Found], None]
+    bridge: Bridge, missions: Mapping[str, VehicleMission], found: Callable[[Found], None]
 ) -> None:
-    """Find out which vehicles fly and what; `done` is called in the bridge's thread."""
-    found: dict[str, Recognised] = {}
+    """Find out which vehicles fly and what; `found` is called in the bridge's thread for each."""
 
     def note(uav: str, future: Future[Recognised]) -> None:
-        error = future.exception()
-        found[uav] = Recognised(heard=False) if error is not None else future.result()
-        if len(found) == len(missions):
-            done(Found({uav: found[uav] for uav in missions}))
+        failed = future.exception() is not None
+        found(Found(uav, Recognised(heard=False) if failed else future.result()))
 
-    wait_s = HEARD_WAIT_TIMES * bridge.hub.lost_after_s
     for uav, mission in missions.items():
-        job = partial(recognise, mission=mission.mission, heard_wait_s=wait_s)
-        future = bridge.start(uav, job)
-        future.add_done_callback(partial(note, uav))
+        job = partial(recognise, mission=mission.mission, heard_wait_s=HEARD_WAIT_S)
+        bridge.start(uav, job).add_done_callback(partial(note, uav))
 
 
 class BridgeFlight:
@@ -77,7 +76,11 @@ class BridgeFlight:
         self._stamp_ns, self._own_s = stamp_ns, own_s
         self._trouble = ""
         # What the book says counts once somebody is found in the air.
-        self._flies = False
+        self._flies = self._told = False
+        self._found: dict[str, Recognised] = {}
+        self._found_s = math.inf
+        self._others_wait_s = OTHERS_WAIT_TIMES * lost_after_s
+        self._uavs = tuple(missions)
         self._stamped: Moment | None = None
         digests = {uav: mission.digest for uav, mission in missions.items()}
         book = self._last_book(digests)
@@ -107,14 +110,26 @@ class BridgeFlight:
 
     def take(self, state: LinkState) -> None:
         """Tell what a vehicle's state brings, and keep it."""
+        self._tell_found(state.at_s)
         for notice in self.monitor.take(state):
             self._announce(notice.level, notice.kind, notice.uav, notice.text)
         self._keep()
 
     def found(self, news: Found) -> None:
-        """Say what was found in the air at the beginning; nothing where all was on the ground."""
-        found = news.by_uav
+        """Take note of what a vehicle was found doing at the beginning."""
+        self._found[news.uav] = news.vehicle
+
+    def _tell_found(self, now_s: float) -> None:
+        """Say once what was found in the air, if anything; some may not be heard any more."""
+        if self._told or not self._found:
+            return
+        self._found_s = min(self._found_s, now_s)
+        found = {uav: self._found.get(uav, Recognised(heard=False)) for uav in self._uavs}
         flying = {uav: one for uav, one in found.items() if one.mode}
+        waited = flying and now_s > self._found_s + self._others_wait_s
+        if len(self._found) < len(self._uavs) and not waited:
+            return
+        self._told = True
         if not flying:
             return
         self._flies = True

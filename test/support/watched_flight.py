@@ -80,7 +80,9 @@ class Flight:
             u: partial(recognise, mission=m.mission, heard_wait_s=15.0)
             for u, m in self.missions.items()
         }
-        self.keeper.found(Found(self.runner.run(jobs)))
+        for uav, vehicle in self.runner.run(jobs).items():
+            self.keeper.found(Found(uav, vehicle))
+        self.runner.advance(1.0)
 
     def told(self, kind: str, uav: str) -> list[str]:
         """All lines of a kind about a UAV."""
