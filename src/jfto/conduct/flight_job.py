@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
-from jfto.conduct.actions import ERROR, WARN, Ask, Order, Tell
+from jfto.conduct.actions import ERROR, INFO, WARN, Ask, Order, Tell
 from jfto.conduct.conductor import Conductor, Stage
 from jfto.conduct.interrupts import Interrupts
 from jfto.conduct.outcome import Outcome
@@ -177,7 +177,8 @@ class _Loop:
             conductor.step(seen)
             self._act()
             self._look(seen)
-        self._publish(conductor.outcome.text, WARN if conductor.outcome.interrupted else 20)
+        level = INFO if conductor.outcome.good else WARN
+        self._client.publish_event(level, "order", conductor.outcome.text)
         return FlightEnd(conductor.outcome, seen, self._speedup(), tuple(self._deaths))
 
     def _mourn(self) -> None:
