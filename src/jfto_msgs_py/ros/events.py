@@ -28,6 +28,7 @@ KINDS = {
     "battery": "a flight battery runs low",
     "link": "the link to a vehicle broke, or is back",
     "restart": "a node died and was started again",
+    "order": "the conductor of a run ordered something, or heard what came of it",
     "lift_off": "the flight began",
     "mode": "a vehicle changed its flight mode, which nobody ordered here",
     "fence": "a vehicle left its fence",
