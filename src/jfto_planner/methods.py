@@ -36,12 +36,21 @@ class MethodResult:
             return None
         return self.found.length_m / self.classical.length_m - 1
 
+    @property
+    def best(self) -> SearchResult:
+        """What to fly: for "rl+search" the search alone's routes where they are better."""
+        if self.method != RL_SEARCH or self.classical is None:
+            return self.found
+        return min(self.found, self.classical, key=_rank)
+
     def in_words(self) -> str:
         """One line for the user; empty for the search alone."""
         if self.classical is None:
             return ""
         text = f"{self.method} {_length(self.found)}, search alone {_length(self.classical)}"
-        return text if self.gap is None else f"{text}: gap {100 * self.gap:+.2f} %"
+        if self.gap is not None:
+            text += f": gap {100 * self.gap:+.2f} %"
+        return text + ("" if self.best is self.found else ", the latter kept")
 
 
 def _length(result: SearchResult) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from jfto_planner.methods import solve
@@ -48,3 +50,14 @@ def test_the_search_is_no_worse_for_starting_from_sound_learned_routes() -> None
     both = solve(problem, EFFORT, method="rl+search", seed=5).found
     assert both.feasible
     assert not learned.feasible or both.length_m <= learned.length_m + 1e-6
+
+
+def test_what_is_flown_is_the_better_of_both_searches() -> None:
+    """Where starting from the policy did not help, the search's own routes are kept and named."""
+    solved = solve(_problem(), EFFORT, method="rl+search", seed=5)
+    alone = solved.classical
+    assert alone is not None
+    worse = replace(solved, found=replace(alone, length_m=alone.length_m + 1.0))
+    assert worse.best is alone
+    assert "the latter kept" in worse.in_words()
+    assert solved.best.length_m <= min(solved.found.length_m, alone.length_m)

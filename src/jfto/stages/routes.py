@@ -104,7 +104,7 @@ def plan_routes(
             warm_start=warm,
             progress=watcher.advance,
         )
-        result, learned = solved.found, learned or solved.in_words()
+        result, learned = solved.best, learned or solved.in_words()
         watcher.begin("routes", "checking with independent code")
         plan = _as_flown(scenario, found, problem, flight, result.routes)
         plan = replace(plan, certificate=certify_plan(plan, ground))

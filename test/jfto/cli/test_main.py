@@ -53,6 +53,17 @@ def test_plan_and_check_agree(
     assert "verified" in capsys.readouterr().out
 
 
+def test_a_learned_plan_is_told_beside_the_search(
+    tiny: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """--method rl+search says what the search alone found, to programs too."""
+    path = tmp_path / "plan.json"
+    assert main(["plan", str(tiny), "-o", str(path), "--json", "--method", "rl+search"]) == 0
+    learned = json.loads(capsys.readouterr().out)["learned"]
+    assert learned.startswith("rl+search 1.")
+    assert "search alone 1." in learned
+
+
 def test_a_broken_plan_is_found_out(
     tiny_run: tuple[Path, Run], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -188,7 +188,7 @@ def test_two_workers_stay_in_step(tmp_path) -> None:
     command += ["--standalone", str(script), paths, str(tmp_path)]
     environment = os.environ | {"OMP_NUM_THREADS": "1", "GLOO_SOCKET_IFNAME": "lo"}
     done = subprocess.run(
-        command, env=environment, check=False, capture_output=True, text=True, timeout=120
+        command, env=environment, check=False, capture_output=True, text=True, timeout=300
     )
     assert done.returncode == 0, done.stderr[-2000:]
     sums = [(tmp_path / f"rank{rank}.pt").read_text() for rank in (0, 1)]
