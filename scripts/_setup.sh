@@ -42,7 +42,7 @@ wanted_stamp() {
 # Done here once, no program that runs against the clock is held up by it.
 compile_kernels() {
     local jfto="$venv/bin/jfto" scene=test/data/scenario/tiny.yaml out=$venv/first-use
-    "$jfto" run "$scene" --out "$out" &&
+    "$jfto" run "$scene" --until plan --out "$out" &&
         "$jfto" plan "$scene" --set trajectory.mode=guided --out "$out/guided.json" &&
         "$jfto" plan "$scene" --set trajectory.mode=straight --out "$out/straight.json" &&
         "$venv/bin/python" -c 'from jfto_sim.motion.warm_up import warm_up; warm_up()'

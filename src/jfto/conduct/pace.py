@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 
-# Vehicles times speed-up that one core carries with the whole graph beside them, as measured by
-# bench/run_pace.py; faster than the greatest nobody needs.
+# Vehicles times speed-up that one core is asked to carry with the whole graph beside them; what
+# that leaves idle is in docs/run.md. Faster than the greatest nobody needs.
 PER_CORE = 40.0
 GREATEST = 10.0
 
