@@ -45,7 +45,16 @@ compile_kernels() {
     "$jfto" run "$scene" --until plan --out "$out" &&
         "$jfto" plan "$scene" --set trajectory.mode=guided --out "$out/guided.json" &&
         "$jfto" plan "$scene" --set trajectory.mode=straight --out "$out/straight.json" &&
-        "$venv/bin/python" -c 'from jfto_sim.motion.warm_up import warm_up; warm_up()'
+        "$venv/bin/python" - <<'END'
+import numpy as np
+from jfto_msgs_py.vehicle import TimedTrajectory
+from jfto_sim.motion.warm_up import warm_up
+from jfto_world.motion.route_progress import RouteProgress
+
+warm_up()
+still = np.zeros((2, 3))
+RouteProgress(TimedTrajectory(0, np.array([0, 10**9]), still, still, still))
+END
 }
 
 set_up() {

@@ -70,6 +70,9 @@ class RouteProgress:
         self._lags: deque[tuple[float, float]] = deque()
         self.off_route = False
         self.done = False
+        # A first use compiles, for seconds: better now than when the first pose comes in flight.
+        passes(self._times_s, self._line_m, self._line_m[0], 0.0, OFF_ROUTE_M)
+        self._time_near(self._line_m[0], 0.0, 0.0, WINDOW_S, _LEAST_PULL_MPS)
 
     @property
     def lag_s(self) -> float:
