@@ -44,7 +44,8 @@ compile_kernels() {
     local jfto="$venv/bin/jfto" scene=test/data/scenario/tiny.yaml out=$venv/first-use
     "$jfto" run "$scene" --until plan --out "$out" &&
         "$jfto" plan "$scene" --set trajectory.mode=guided --out "$out/guided.json" &&
-        "$jfto" plan "$scene" --set trajectory.mode=straight --out "$out/straight.json" &&
+        "$jfto" plan "$scene" --set trajectory.mode=straight --method rl+search \
+            --out "$out/straight.json" &&
         "$venv/bin/python" - <<'END'
 import numpy as np
 from jfto_msgs_py.vehicle import TimedTrajectory
