@@ -38,12 +38,20 @@ class BridgeOptions:
     abort_by_landing: bool = param(
         False, "The abort service lets them land where they are instead of returning home."
     )
-    style: str = param("fly_through", "How waypoints are flown.", choices=("fly_through", "hold"))
+    style: str = param(
+        "planned",
+        "How waypoints are flown; planned: as the plan was timed.",
+        choices=("planned", "fly_through", "hold"),
+    )
     pass_within_m: float = param(
         2.0, "How close every waypoint is passed.", unit="m", low=0.1, high=10.0
     )
     takeoff_height_m: float = param(
-        10.0, "Height of the take-off above the pad.", unit="m", low=1.0, high=100.0
+        0.0,
+        "Height of the take-off above the pad; 0: as planned, 10 m where the plan does not say.",
+        unit="m",
+        low=0.0,
+        high=500.0,
     )
     check_terrain: bool = param(
         True, "Refuse missions whose legs or way home do not clear the scenario's terrain."

@@ -31,6 +31,7 @@ from jfto_mavlink.fleet.desk import DeskSettings, MissionDesk
 from jfto_mavlink.flight.timing import Moment
 from jfto_mavlink.guided.guided_desk import GuidedDesk
 from jfto_mavlink.guided.local_frame import MapFrame
+from jfto_mavlink.mission.as_planned import settings_for
 from jfto_mavlink.mission.build import VehicleMission, build_missions
 from jfto_mavlink.mission.ground import Ground
 from jfto_mavlink.mission.settings import MissionSettings
@@ -237,7 +238,7 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
         settings = DeskSettings(count is not None or options.allow_arming, options.abort_by_landing)
         desk = MissionDesk(bridge, missions, settings, self._report)
         if options.guided:
-            height_m = options.takeoff_height_m
+            height_m = self._mission_settings(plan).takeoff_height_m
             desk = GuidedDesk(bridge, missions, settings, self._report, plan, now_ns, height_m)
         flight = self._make_flight(bridge, missions)
         for uav, mission in missions.items():
@@ -258,13 +259,18 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
             self._own_s,
         )
 
+    def _mission_settings(self, plan: Plan) -> MissionSettings:
+        options = self._options
+        return settings_for(
+            plan,
+            style=None if options.style == "planned" else options.style,
+            pass_within_m=options.pass_within_m,
+            takeoff_height_m=options.takeoff_height_m or None,
+        )
+
     def _missions(self, plan: Plan) -> dict[str, VehicleMission]:
         options = self._options
-        settings = MissionSettings(
-            style=options.style,
-            pass_within_m=options.pass_within_m,
-            takeoff_height_m=options.takeoff_height_m,
-        )
+        settings = self._mission_settings(plan)
         ground = None
         if options.check_terrain and self._ground_of is not None:
             ground = self._ground_of(self._scenario)

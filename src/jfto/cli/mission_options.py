@@ -44,9 +44,8 @@ def build_options(function: Function) -> Function:
             click.option(
                 "--style",
                 type=click.Choice(["fly_through", "hold"]),
-                default="fly_through",
-                show_default=True,
-                help="hold stops 1 s at each waypoint: sharper photos, about 6 s longer each.",
+                help="hold stops 1 s at each waypoint: sharper photos, about 6 s longer each. "
+                "Default: as planned.",
             ),
             click.option(
                 "--within",
@@ -56,7 +55,12 @@ def build_options(function: Function) -> Function:
                 metavar="M",
                 help="How close every waypoint is passed; less is slower at corners.",
             ),
-            click.option("--takeoff-height", type=float, default=10.0, show_default=True),
+            click.option(
+                "--takeoff-height",
+                type=float,
+                metavar="M",
+                help="Default: as planned, 10 m where the plan does not say.",
+            ),
             click.option(
                 "--return-height",
                 type=float,
@@ -114,9 +118,9 @@ def build(
     from jfto.scenario_file import load_scenario
     from jfto.stages.survey import load_ground
     from jfto_mavlink.errors import MissionError
+    from jfto_mavlink.mission.as_planned import settings_for
     from jfto_mavlink.mission.build import build_missions
     from jfto_mavlink.mission.limits import MissionLimits
-    from jfto_mavlink.mission.settings import MissionSettings
     from jfto_msgs_py.plan_file import read_plan
 
     plan = read_plan(plan_path)
@@ -134,7 +138,8 @@ def build(
         height_max_m=choices["height_max"],
         distance_max_m=choices["distance_max"],
     )
-    settings = MissionSettings(
+    settings = settings_for(
+        plan,
         style=choices["style"],
         pass_within_m=choices["within"],
         takeoff_height_m=choices["takeoff_height"],

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from jfto_mavlink.dialect import mavlink
 from jfto_mavlink.errors import MissionError
+from jfto_mavlink.mission.as_planned import check_as_planned
 from jfto_mavlink.mission.fence import Fence, RallyPoint, fence_items, rally_items
 from jfto_mavlink.mission.ground import Ground, check_clearance, return_height_m
 from jfto_mavlink.mission.item import FRAME_ABSOLUTE, FRAME_HOME, FRAME_NONE, Item, Mission, at
@@ -67,6 +68,7 @@ def build_missions(
     With `ground` (ENU heights of the terrain) legs must clear it by `limits.clearance_min_m`, which
     replaces the least height above home, and the way home is flown high enough over it.
     """
+    check_as_planned(plan, settings)
     by_id = {waypoint.id: waypoint for waypoint in plan.waypoints}
     missions = []
     for uav, route in zip(plan.uavs, plan.routes, strict=True):

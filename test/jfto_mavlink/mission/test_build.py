@@ -9,6 +9,7 @@ import pytest
 
 from jfto_mavlink.dialect import mavlink
 from jfto_mavlink.errors import MissionError
+from jfto_mavlink.mission.as_planned import settings_for
 from jfto_mavlink.mission.build import build_missions
 from jfto_mavlink.mission.limits import MissionLimits
 from jfto_mavlink.mission.settings import MissionSettings
@@ -17,6 +18,11 @@ from jfto_world.terrain.frame import LocalFrame
 
 WP, TAKEOFF, RTL = 16, 22, 20
 SPEED, MOUNT, YAW, SHUTTER, DELAY, LOITER = 178, 205, 115, 203, 93, 19
+
+
+def timed_plan(plan, **parameters):
+    """The plan as one whose times are a mission's."""
+    return dataclasses.replace(plan, time_model="arducopter", time_parameters=parameters)
 
 
 def commands(mission) -> list[int]:
@@ -208,11 +214,7 @@ def test_how_close_waypoints_are_passed_is_a_parameter_that_rides_along(plan):
 
 def test_all_that_the_times_of_a_mission_rely_on_rides_along(plan):
     """Speeds of each UAV and the planner's parameters as planned, in the autopilot's units."""
-    timed = dataclasses.replace(
-        plan,
-        time_model="arducopter",
-        time_parameters={"radius_m": 1.2, "jerk_mps3": 2.0, "angle_max_deg": 25.0},
-    )
+    timed = timed_plan(plan, takeoff_m=10.0, radius_m=1.2, jerk_mps3=2.0, angle_max_deg=25.0)
     sent = dict(build_missions(timed, MissionSettings())[0].mission.parameters)
     assert sent["WPNAV_SPEED"] == 100 * timed.uavs[0].speed_mps
     assert sent["WPNAV_SPEED_UP"] == 100 * timed.uavs[0].climb_mps
@@ -226,6 +228,36 @@ def test_all_that_the_times_of_a_mission_rely_on_rides_along(plan):
 
 def test_waypoints_cannot_be_passed_nearer_than_planned(plan):
     """A plan timed with wide corners does not hold for narrow ones: MissionError says so."""
-    timed = dataclasses.replace(plan, time_model="arducopter", time_parameters={"radius_m": 1.2})
+    timed = dataclasses.replace(
+        plan, time_model="arducopter", time_parameters={"radius_m": 1.2, "takeoff_m": 10.0}
+    )
     with pytest.raises(MissionError, match=r"trajectory.wpnav_radius_m 0.6"):
         build_missions(timed, MissionSettings(pass_within_m=1.0))
+
+
+@pytest.mark.parametrize(
+    ("parameters", "choices", "cure"),
+    [
+        ({"takeoff_m": 30.0}, {}, r"trajectory\.takeoff_m 10"),
+        ({"takeoff_m": 10.0}, {"style": "hold"}, r"trajectory\.hold_s 1"),
+        ({"takeoff_m": 10.0, "hold_s": 2.0}, {}, r"trajectory\.hold_s 0"),
+        ({"takeoff_m": 10.0, "hold_s": 2.0}, {"style": "hold"}, r"a hold of 2 s"),
+        ({}, {}, r"lift-off to 0 m"),
+    ],
+)
+def test_a_mission_that_is_not_flown_as_timed_is_refused(plan, parameters, choices, cure):
+    """Another lift-off or other holds would break every arrival; the cure is named."""
+    with pytest.raises(MissionError, match=cure):
+        build_missions(timed_plan(plan, **parameters), MissionSettings(**choices))
+
+
+def test_what_is_not_chosen_is_as_planned(plan):
+    """Height of lift-off and holds come from the plan where it has them, else are the defaults."""
+    timed = timed_plan(plan, takeoff_m=30.0, hold_s=2.0, radius_m=1.2)
+    settings = settings_for(timed, style=None, takeoff_height_m=None, pass_within_m=2.0)
+    assert (settings.style, settings.hold_s, settings.takeoff_height_m) == ("hold", 2.0, 30.0)
+    built = build_missions(timed, settings)[0]
+    assert built.mission.items[1].z == 30.0
+    assert {built.mission.items[seq].params[0] for seq in built.item_map.items} == {2.0}
+    assert settings_for(plan, style=None) == MissionSettings()
+    assert settings_for(timed, takeoff_height_m=12.0).takeoff_height_m == 12.0
