@@ -16,8 +16,8 @@ from jfto_world.terrain import Dem
 
 Array = NDArray[np.float64]
 _ROW_IN = 0.78
-# Share of all values that an axis shows.
-_SHOWN = 0.998
+# Share of all values that an axis shows, and when a take-off's jolts are over.
+_SHOWN, _RISEN_S = 0.998, 10.0
 
 
 @styled
@@ -31,7 +31,7 @@ def flight_profiles(plan: Plan, dem: Dem) -> Figure:
         ("Height over terrain (m)", lambda flight: _height(flight, dem)),
     ]
     columns = [column for column in columns if column[1](flights[0]) is not None]
-    tops = {title: _top([pick(flight) for flight in flights]) for title, pick in columns}
+    tops = {title: _top(flights, pick) for title, pick in columns}
     rows = len(flights)
     figure = new_figure(PAGE_WIDTH_IN, _ROW_IN * rows + 0.5)
     grid = figure.subplots(rows, len(columns), sharex=True, sharey="col", squeeze=False)
@@ -64,10 +64,15 @@ def flight_profiles(plan: Plan, dem: Dem) -> Figure:
     return figure
 
 
-def _top(values: list[Array | None]) -> float:
+def _top(flights: tuple[Flown, ...], pick: Callable[[Flown], Array | None]) -> float:
     """Top of an axis: a take-off begins with a jolt in the model, which would dwarf the rest."""
-    together = np.concatenate([value for value in values if value is not None])
-    return max(1.15 * float(np.quantile(together, _SHOWN)), 1e-3)
+    found = []
+    for flight in flights:
+        values = pick(flight)
+        assert values is not None, "one time model flies the whole fleet"
+        risen = values[flight.times_s >= _RISEN_S]
+        found.append(risen if len(risen) else values)
+    return max(1.15 * float(np.quantile(np.concatenate(found), _SHOWN)), 1e-3)
 
 
 def _height(flight: Flown, dem: Dem) -> Array:
