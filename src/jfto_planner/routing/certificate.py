@@ -2,7 +2,7 @@
 
 Shares no code with the search. Everything is computed anew from the plan's own records: the slots'
 instants from `positions_m`, ten times finer instants from the routes and the time model that the
-plan names.
+plan names, and separation between these, too.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from jfto_msgs_py.certificate import Certificate, Violation
 from jfto_msgs_py.errors import PlanError
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.units import dbm_to_w, ratio_to_db
+from jfto_planner.routing.certificate_between import check_between
 from jfto_planner.routing.certificate_ground import GroundRule, check_ground
 from jfto_planner.routing.certificate_instants import Instants, instants_of
 from jfto_planner.routing.certificate_routes import Flown, check_routes, fly
@@ -62,6 +63,8 @@ def certify(
     coarse = plan_instants(plan, np.moveaxis(plan.positions_m, 0, 1), 1)
     fine = plan_instants(plan, flown.positions_m, FINER)
     violations += _check_instants(plan, coarse, fine)
+    close, nearest_m = check_between(plan, flown.positions_m)
+    violations += close
     margin, margin_uav, margin_slot = fine.worst_margin()
     return Certificate(
         clean=not violations,
@@ -71,7 +74,7 @@ def certify(
         worst_margin_db=margin,
         worst_margin_uav=plan.uavs[margin_uav].id,
         worst_margin_slot=margin_slot,
-        worst_separation_m=float(fine.distance.min(initial=np.inf)),
+        worst_separation_m=min(nearest_m, float(fine.distance.min(initial=np.inf))),
         energy_floor_j=floors,
         violations=tuple(violations),
     )
