@@ -30,9 +30,8 @@ def main() -> int:
     parser.add_argument("--set", action="append", default=[], dest="overrides")
     options = parser.parse_args()
     failed = 0
+    found = survey(load_scenario(options.scene, options.overrides), SilentWatcher())
     for mode in options.mode:
-        loaded = load_scenario(options.scene, [f"trajectory.mode={mode}", *options.overrides])
-        found = survey(loaded, SilentWatcher())
         for seed in range(options.seeds):
             overrides = [f"trajectory.mode={mode}", *options.overrides, f"search.seed={seed}"]
             scenario = load_scenario(options.scene, overrides).scenario

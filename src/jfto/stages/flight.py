@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.plan_file import rounded_record
 from jfto_msgs_py.scenario import Scenario
-from jfto_planner.routing import Calibrated, Estimated, RoutingProblem
+from jfto_planner.routing import Estimated, RoutingProblem
 from jfto_planner.routing.assess import Routes, is_connected, route_points
 from jfto_planner.smoothing import (
     Clearance,
@@ -51,12 +51,10 @@ class Flight:
     rules: CurveRules | None = None
     curve: Mapping[str, float] | None = None
 
-    def model(self, factor: float, per_mps: float = 0.0) -> TimeModel:
-        """What the search goes by, leg estimates corrected as `Calibrated` does."""
-        calibrated = (
-            Calibrated(self.time_model, factor, per_mps) if self.estimated else self.time_model
-        )
-        return calibrated if self.exact else Estimated(calibrated)
+    def model(self, corrected: TimeModel | None = None) -> TimeModel:
+        """What the search goes by: the time model, or it with leg estimates corrected."""
+        model = corrected or self.time_model
+        return model if self.exact else Estimated(model)
 
     def trajectories(
         self,

@@ -26,8 +26,8 @@ from jfto_planner.routing import (
     RoutingProblem,
     SearchSettings,
     build_plan,
+    calibrated,
     certify,
-    fit_factor,
     search,
 )
 from jfto_planner.routing.assess import Routes
@@ -141,10 +141,11 @@ def _calibrated(
     result = search(rough, settings, seed=scenario.search.seed, warm_start=warm)
     plan = _as_flown(scenario, found, problem, flight, result.routes)
     speeds = np.array([limits.speed_mps for limits in problem.limits])
-    factors = fit_factor(speeds, ends_s(plan), expected_s(rough, result.routes))
+    expected = expected_s(rough, result.routes)
+    corrected = calibrated(flight.time_model, speeds, ends_s(plan), expected)
     stopped = result.stopped_by == "user"
     return (
-        replace(problem, time_model=flight.model(*factors)),
+        replace(problem, time_model=flight.model(corrected)),
         stopped,
         result.routes if stopped else warm,
     )
@@ -220,7 +221,7 @@ def routing_problem(scenario: Scenario, found: Survey) -> RoutingProblem:
             MotionLimits(uav.speed_mps, uav.climb_mps, uav.descent_mps)
             for uav in plan_uavs(scenario, pads)
         ),
-        time_model=flight.model(1.0),
+        time_model=flight.model(),
         t_max_s=np.array(fleet.t_max_s),
         reach_m=reach,
         k_min=network.k_min,

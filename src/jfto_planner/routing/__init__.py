@@ -3,7 +3,7 @@
 from jfto_planner.routing.build_plan import build_plan
 from jfto_planner.routing.certificate import certify
 from jfto_planner.routing.cures import Cure, suggest_cures
-from jfto_planner.routing.estimated import Calibrated, Estimated, fit_factor
+from jfto_planner.routing.estimated import Calibrated, Estimated, calibrated
 from jfto_planner.routing.problem import RoutingProblem
 from jfto_planner.routing.result import SearchResult
 from jfto_planner.routing.search import search
@@ -17,8 +17,8 @@ __all__ = [
     "SearchResult",
     "SearchSettings",
     "build_plan",
+    "calibrated",
     "certify",
-    "fit_factor",
     "search",
     "suggest_cures",
 ]

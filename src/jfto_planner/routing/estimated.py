@@ -19,12 +19,15 @@ LEAST_UAVS, LEAST_SPREAD_MPS = 4, 0.5
 class Calibrated:
     """A time model whose leg estimates are multiplied by a factor; exact times are its own.
 
-    The factor is `factor` + `per_mps` · speed: fast vehicles gain more at corners.
+    The factor is `factor` + `per_mps` · speed: fast vehicles gain more at corners. Beyond `low_mps`
+    and `high_mps`, where nothing was flown, it is that of the nearest of both.
     """
 
     model: TimeModel
     factor: float = 1.0
     per_mps: float = 0.0
+    low_mps: float = 0.0
+    high_mps: float = np.inf
 
     def leg_matrix(self, points_m: Array, limits: MotionLimits) -> Array:
         """Time of the direct leg between each ordered pair of points, shape (M, M)."""
@@ -43,22 +46,26 @@ class Calibrated:
         return self.model.positions(route_m, limits, times_s)
 
     def _factor(self, limits: MotionLimits) -> float:
-        return self.factor + self.per_mps * limits.speed_mps
+        speed_mps = min(max(limits.speed_mps, self.low_mps), self.high_mps)
+        return self.factor + self.per_mps * speed_mps
 
 
-def fit_factor(speed_mps: Array, flown_s: Array, expected_s: Array) -> tuple[float, float]:
-    """`factor` and `per_mps` of `Calibrated` from flights of UAVs (A,), least squares.
+def calibrated(model: TimeModel, speed_mps: Array, flown_s: Array, expected_s: Array) -> Calibrated:
+    """`model` corrected by flights of UAVs (A,), least squares.
 
-    Without waypoints, expected at 0 s, a UAV says nothing; one speed gives no slope.
+    Without waypoints, expected at 0 s, a UAV says nothing. Few UAVs, or alike in speed,
+    give one factor for all.
     """
     used = expected_s > 0
     if not used.any():
-        return 1.0, 0.0
-    mean = float(flown_s[used].sum() / expected_s[used].sum())
-    if np.ptp(speed_mps[used]) < LEAST_SPREAD_MPS or used.sum() < LEAST_UAVS:
-        return mean, 0.0
-    slope, level = np.polyfit(speed_mps[used], flown_s[used] / expected_s[used], 1)
-    return float(level), float(slope)
+        return Calibrated(model)
+    mean = Calibrated(model, float(flown_s[used].sum() / expected_s[used].sum()))
+    speeds, ratios = speed_mps[used], flown_s[used] / expected_s[used]
+    if np.ptp(speeds) < LEAST_SPREAD_MPS or used.sum() < LEAST_UAVS:
+        return mean
+    slope, level = np.polyfit(speeds, ratios, 1)
+    low, high = float(speeds.min()), float(speeds.max())
+    return Calibrated(model, float(level), float(slope), low, high)
 
 
 @dataclass(frozen=True)
