@@ -144,10 +144,18 @@ def tightened(problem: RoutingProblem, plan: Plan) -> RoutingProblem:
         changes["reach_m"] = problem.reach_m * SHORTER_REACH
     if "separation" in broken:
         missing = plan.d_min_m - plan.certificate.worst_separation_m
-        changes["d_min_m"] = problem.d_min_m + missing + SPARE_M
+        changes["d_min_m"] = min(
+            problem.d_min_m + missing + SPARE_M, least_distance_m(problem.starts_m)
+        )
     if "energy" in broken and problem.energy_j is not None:
         changes["energy_j"] = problem.energy_j * LESS_ENERGY
     return replace(problem, **changes)  # type: ignore[arg-type]
+
+
+def least_distance_m(places_m: Array) -> float:
+    """Of any two places (A, 3); infinite for one."""
+    apart = pairwise_distances(places_m[None])[0]
+    return float(apart[np.triu_indices(len(places_m), 1)].min(initial=np.inf))
 
 
 def _together(problem: RoutingProblem, positions_m: Array) -> bool:

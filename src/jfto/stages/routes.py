@@ -113,14 +113,21 @@ def plan_routes(
         planned = Planned(plan, stopped, estimate_s, learned)
         if best is None or planned.faults < best.faults:
             best = planned
-        # Where the search judges by the very times that the plan has, more rounds change nothing.
-        if is_clean(plan) or flight.exact or not result.feasible or stopped:
+        # Where the search judges by the very times that the plan has, it knows all but what happens
+        # between its instants.
+        if is_clean(plan) or not result.feasible or stopped or _known(flight, plan):
             break
         problem, warm = tightened(problem, plan), result.routes
     assert best is not None
     good = is_clean(best.plan)
     watcher.end("routes", f"{best.plan.total_length_m / 1000:.2f} km", _proof(best), good=good)
     return best
+
+
+def _known(flight: Flight, plan: Plan) -> bool:
+    assert plan.certificate is not None
+    kinds = {violation.kind for violation in plan.certificate.violations}
+    return flight.exact and (not flight.estimated or kinds != {"separation"})
 
 
 def _calibrated(
