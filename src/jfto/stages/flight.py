@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from jfto.stages.speeds import photo_cap_mps
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.plan_file import rounded_record
 from jfto_msgs_py.scenario import Scenario
@@ -108,7 +109,7 @@ def flight_of(scenario: Scenario) -> Flight:
         "tilt_deg": wanted.curve_tilt_deg,
     }
     settings = SmoothingSettings(corridor_m=wanted.corridor_m)
-    cap = wanted.photo_speed_mps or np.inf
+    cap = photo_cap_mps(scenario)
     smooth = SmoothFlight(
         tuple(curve.items()), cap, wanted.hold_s, climb_m=wanted.clearance_m, settings=settings
     )

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from jfto.progress import Watcher
 from jfto.stages.flight import Flight, ends_s, expected_s, flight_of, tightened
 from jfto.stages.network import energy_floor_of
+from jfto.stages.speeds import fleet_limits, speed_notes
 from jfto.stages.survey import Survey
 from jfto_msgs_py.certificate import Certificate
 from jfto_msgs_py.errors import InputError, PlanError
@@ -77,10 +78,12 @@ def plan_routes(
 ) -> Planned:
     """Search routes over the waypoints and certify them; `warm_start` is a plan to improve.
 
-    Raises InfeasibleError before any search where the starts cannot satisfy the neighbour rule,
-    PlanError where `warm_start` is for other waypoints or another fleet.
+    Raises InfeasibleError before any search where the starts cannot satisfy the neighbour rule or
+    the wind leaves no speed, PlanError where `warm_start` is for other waypoints or another fleet.
     """
     watcher.begin("routes", "choosing starting points")
+    for note in speed_notes(scenario):
+        watcher.warn(note)
     flight = flight_of(scenario)
     if flight.estimated:
         # A flight in steps may come out a step later for a point a nanometre off.
@@ -322,12 +325,12 @@ def plan_uavs(scenario: Scenario, pads_m: Array) -> tuple[Uav, ...]:
             energy_j=fleet.energy_j[uav],
             t_max_s=fleet.t_max_s[uav],
             # As in the plan file, since times follow from them.
-            speed_mps=rounded_record(fleet.speed_mps[uav]),
-            climb_mps=rounded_record(fleet.climb_mps[uav]),
-            descent_mps=rounded_record(fleet.descent_mps[uav]),
+            speed_mps=rounded_record(limits.speed_mps),
+            climb_mps=rounded_record(limits.climb_mps),
+            descent_mps=rounded_record(limits.descent_mps),
             start_m=_vector(pads_m[uav]),
         )
-        for uav in range(fleet.count)
+        for uav, limits in enumerate(fleet_limits(scenario))
     )
 
 

@@ -27,6 +27,9 @@ class CameraPart:
         high=5000.0,
         length=2,
     )
+    exposure_s: float = param(
+        0.001, "Exposure time, for trajectory.photo_blur_px.", unit="s", low=1e-6, high=60.0
+    )
 
 
 @dataclass(frozen=True)

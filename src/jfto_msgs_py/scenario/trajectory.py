@@ -21,7 +21,12 @@ class TrajectoryPart:
         choices=TRAJECTORY_MODES,
     )
     hold_s: float = param(
-        0.0, "Stop at each waypoint; 0: fly through.", unit="s", low=0.0, high=3600.0
+        0.0,
+        "Stop at each waypoint, for sharp photographs; 0: fly through. Whole seconds in mode "
+        "waypoints.",
+        unit="s",
+        low=0.0,
+        high=3600.0,
     )
     takeoff_m: float = param(
         10.0,
@@ -49,11 +54,11 @@ class TrajectoryPart:
     )
     wind_mps: float = param(
         3.0,
-        "waypoints: wind for which the spread of arrivals is reported; plans are for calm air.",
+        "waypoints: wind that speeds must leave room for below the tilt limit, and for which the "
+        "spread of arrivals is reported; times are for calm air.",
         unit="m/s",
         low=0.0,
         high=15.0,
-        hashed=False,
     )
     curve_accel_mps2: float = param(
         3.5, "guided: greatest horizontal acceleration.", unit="m/s²", low=0.5, high=10.0
@@ -83,9 +88,18 @@ class TrajectoryPart:
         low=0.0,
         high=1000.0,
     )
+    photo_blur_px: float = param(
+        0.0,
+        "How far the image may move during camera.exposure_s while flying through a waypoint; "
+        "bounds the speed to this times the ground sampling distance over the exposure. 0: any.",
+        unit="px",
+        low=0.0,
+        high=100.0,
+    )
     photo_speed_mps: float = param(
         0.0,
-        "guided: greatest speed at a waypoint, from the blur that a photograph allows; 0: any.",
+        "Greatest speed of photographs, instead of trajectory.photo_blur_px: at each waypoint in "
+        "mode guided, of the whole mission in mode waypoints. 0: as the blur allows.",
         unit="m/s",
         low=0.0,
         high=60.0,

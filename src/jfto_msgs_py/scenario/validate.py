@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -146,6 +147,7 @@ def _check_together(values: dict[str, Any], given: Layer, problems: list[str]) -
             f"has latitude {center[0]:g}, outside -90…90 deg. Give latitude before longitude.",
         )
     _check_camera(values, complain)
+    _check_photos(values, complain)
     _check_starts(values, complain)
 
 
@@ -158,6 +160,15 @@ def _check_camera(values: dict[str, Any], complain: Any) -> None:
             "coverage.pitch_min_deg",
             f"is {low:g}, above coverage.pitch_max_deg, {high:g}. Exchange them.",
             "coverage.pitch_max_deg",
+        )
+
+
+def _check_photos(values: dict[str, Any], complain: Any) -> None:
+    hold_s = _value(values, "trajectory.hold_s")
+    if _value(values, "trajectory.mode") == "waypoints" and hold_s != int(hold_s):
+        complain(
+            "trajectory.hold_s",
+            f"is {hold_s:g}, but missions keep whole seconds. Set it to {math.ceil(hold_s)}.",
         )
 
 

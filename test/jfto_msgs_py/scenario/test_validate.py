@@ -65,6 +65,14 @@ def test_the_hash_follows_decisive_keys_only() -> None:
     assert other.scenario_hash() != hash_of
 
 
+def test_missions_hold_for_whole_seconds() -> None:
+    """ArduCopter keeps no fractions; curves do."""
+    with pytest.raises(ScenarioError, match=r"trajectory.hold_s is 1.5.*Set it to 2"):
+        make_scenario([_layer(trajectory__hold_s=1.5)])
+    curves = make_scenario([_layer(trajectory__hold_s=1.5, trajectory__mode="guided")])
+    assert curves.trajectory.hold_s == 1.5
+
+
 def test_a_short_mission_takes_default_slots_along() -> None:
     """n_DC and the slot shown move to the last slot unless they were asked for."""
     evaluation = make_scenario([_layer(mission__slot_count=10)]).evaluation
