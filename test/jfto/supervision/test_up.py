@@ -116,9 +116,10 @@ def test_simulated_vehicles_fly_in_the_graph_and_are_recorded(tiny, tmp_path) ->
     # A busy computer stalls the vehicles now and then, and with them the clock.
     assert ran_ns < now_ns - begun_ns < 11 * ran_ns
     assert abs(now_ns - stamps[-1]) < 5e9
-    # Stamped by the vehicles, four times a second of their own; /clock ticks less evenly.
+    # Stamped by the vehicles, four times a second of their own. Where a busy computer stalls them
+    # one goes out late; stamps by the ticks of /clock, 200 ms apart, would be off every time.
     off_ns = (np.diff(stamps) + 125_000_000) % 250_000_000 - 125_000_000
-    assert np.abs(off_ns).max() <= 2e6
+    assert np.mean(np.abs(off_ns) <= 2e6) > 0.8
     facts = Bag(tmp_path / "bag").facts
     counts = {topic.name: topic.message_count for topic in facts.topics}
     assert facts.complete
