@@ -11,7 +11,9 @@ from typing import Any
 
 import pytest
 
-from jfto.cli import main
+from jfto.bag.reader import Bag
+from jfto.bag.replay import replay_bag
+from jfto_msgs_py.ros import topics
 
 ROOT = Path(__file__).parents[2]
 SCENE = ROOT / "test" / "data" / "scenario" / "short_flight.yaml"
@@ -68,15 +70,16 @@ def test_what_was_flown_keeps_the_plan(flown) -> None:
     assert {one["how"] for one in flight["endings"]} == {"landed"}
 
 
-def test_the_bag_replays_to_the_same_topology_and_powers(flown, capsys) -> None:
+def test_the_bag_replays_to_the_same_topology_and_powers(flown) -> None:
     """The recorded poses through the real nodes again: links equal, powers within 0.25 dB.
 
     Where slots begin depends on the order in which poses and the clock came: 30 ms are a quarter
-    of a metre, which a link of 10 m feels by 0.2 dB.
+    of a metre, which a link of 10 m feels by 0.2 dB. A pose that a busy computer held up in flight
+    may have left its UAV out of a slot: one slot in ten may differ.
     """
-    bag = str(flown[0] / "bag")
-    replay = ["bag", "replay", bag, "--nodes", "topology,power", "--tolerance", "0.25"]
-    assert main(replay) == 0
-    said = capsys.readouterr().out
-    assert "✓ /jfto/topology/adjacency" in said
-    assert "✓ /jfto/power/schedule" in said
+    bag = flown[0] / "bag"
+    replay = replay_bag(Bag(bag), ["topology", "power"], bag / "parameters.yaml", 0.25)
+    by_topic = {each.topic: each for each in replay.comparisons}
+    for topic in (topics.ADJACENCY, topics.POWER_INTERVAL, topics.POWER_SCHEDULE):
+        assert by_topic[topic].compared >= 12
+        assert len(by_topic[topic].problems) <= 0.1 * by_topic[topic].compared

@@ -15,7 +15,6 @@ from jfto.bag.replay_clock import ReplayClock
 from jfto.bag.replay_node import Output, replay_nodes
 from jfto_msgs_py.ros import topics
 
-
 # Without these a node goes on by what was planned: no radio measures the air, a flight not begun.
 _MAY_BE_SILENT = {topics.AIR_GAIN, topics.ENERGY_LEFT, topics.LIFT_OFF}
 
