@@ -71,8 +71,9 @@ def test_the_graph_heals_after_kill_and_ends_with_ctrl_c(tiny, tmp_path) -> None
         finally:
             status, output = _end(process, signal.SIGINT)
     first, last = (decode_power_schedule(schedules[i]).horizon for i in (0, -1))
-    assert last.first > first.first
-    assert last.t0_ns > first.t0_ns
+    # The power node is back within the slot, or in a later one; no slot comes twice.
+    assert last.first >= first.first
+    assert last.t0_ns >= first.t0_ns
     assert status == 0, output
     assert "killed by SIGKILL" in output
     assert [line.split()[1] for line in output.splitlines() if line.endswith(" stopped")] == [
@@ -122,7 +123,7 @@ def test_simulated_vehicles_fly_in_the_graph_and_are_recorded(tiny, tmp_path) ->
     off_ns = (np.diff(stamps) + 125_000_000) % 250_000_000 - 125_000_000
     assert np.mean(np.abs(off_ns) <= 2e6) > 0.8
     facts = Bag(tmp_path / "bag").facts
-    counts = {topic.name: topic.message_count for topic in facts.topics}
+    counts = {topic.name: topic.count for topic in facts.topics}
     assert facts.complete
     assert counts[topics.pose("uav3")] > 20
     assert {topics.ADJACENCY, topics.trajectory("uav1"), topics.DIAGNOSTICS} <= set(counts)
