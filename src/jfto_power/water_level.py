@@ -11,8 +11,9 @@ increasing in u, so a second, bracketed Newton finds the level that spends the b
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from jfto_world.compiled import kernel
 
 Array = NDArray[np.float64]
 
@@ -22,7 +23,7 @@ INNER_STEPS = 60
 CLOSE = 1e-14
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def fill_rows(
     linked: NDArray[np.bool_],
     gain: Array,
@@ -61,7 +62,7 @@ def fill_rows(
     return power, level
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _fill(
     s_w: Array, start: NDArray, low: Array, high: Array, budget: float, power: Array
 ) -> float:
@@ -87,7 +88,7 @@ def _fill(
     return _search(s_w, start, low, high, at_low, at_high, mean, budget, left, right, power)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _search(
     s_w: Array,
     start: NDArray,
@@ -140,7 +141,7 @@ def _search(
     return left
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _pour(
     s_w: Array,
     start: NDArray,
@@ -169,7 +170,7 @@ def _pour(
     return total, slope
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _climb(terms: Array, mean: float, level: float, low: float, high: float) -> tuple[float, float]:
     """Power p with G(p) = level, and dp/dlevel."""
     # A harmonic mean is at most the arithmetic one, so this start lies left of the root.
@@ -193,7 +194,7 @@ def _climb(terms: Array, mean: float, level: float, low: float, high: float) -> 
     return p, rate
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _level_at(terms: Array, p: float) -> float:
     """G(p), the level at which a slot takes the power p."""
     first = 0.0

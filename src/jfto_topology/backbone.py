@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from jfto_world.compiled import kernel
 
 Flags = NDArray[np.bool_]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def backbones(links: Flags) -> Flags:
     """A connected dominating set of each component of every slot, (M, A).
 
@@ -24,7 +25,7 @@ def backbones(links: Flags) -> Flags:
     return member
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _grow_and_prune(links: Flags, member: Flags) -> None:
     uavs = links.shape[0]
     degree = np.zeros(uavs, dtype=np.int64)
@@ -40,7 +41,7 @@ def _grow_and_prune(links: Flags, member: Flags) -> None:
             member[a] = False
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _next_member(links: Flags, degree: NDArray, member: Flags, covered: Flags) -> int:
     """Covered UAV that covers most others; where none helps, the best start of a new component."""
     uavs = links.shape[0]
@@ -62,7 +63,7 @@ def _next_member(links: Flags, degree: NDArray, member: Flags, covered: Flags) -
     return best
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _dispensable(links: Flags, member: Flags, a: int) -> bool:
     """Whether the other members still cover a and its neighbours, and hang together around it."""
     uavs = links.shape[0]
@@ -87,7 +88,7 @@ def _dispensable(links: Flags, member: Flags, a: int) -> bool:
     return whole
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _members_joined(links: Flags, member: Flags, origin: int) -> Flags:
     """Members that `origin` reaches over members only, (A,)."""
     uavs = links.shape[0]

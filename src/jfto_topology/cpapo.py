@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from jfto_topology.backbone import backbones
 from jfto_topology.powered import PoweredTopology, played_out
 from jfto_topology.required_power import required_powers
+from jfto_world.compiled import kernel
 from jfto_world.radio import Channel
 
 Array = NDArray[np.float64]
@@ -36,7 +36,7 @@ def cpapo(
     return played_out(required_w, wanted_w, links, energy_j, slot_duration_s)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def pruned_links(required_w: Array, backbone: Flags) -> Flags:
     """Links (M, A, A) left when no UAV can lower its power by one more neighbour.
 
@@ -61,7 +61,7 @@ def pruned_links(required_w: Array, backbone: Flags) -> Flags:
     return kept
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _step_down(required: Array, links: Flags, member: Flags, a: int) -> bool:
     """Drop a's farthest neighbour, the higher index of equals; False if it has to stay."""
     far = -1
@@ -80,7 +80,7 @@ def _step_down(required: Array, links: Flags, member: Flags, a: int) -> bool:
     return fine
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _served(links: Flags, member: Flags, a: int) -> bool:
     """Whether a belongs to the backbone or has a link to it."""
     if member[a]:
@@ -88,7 +88,7 @@ def _served(links: Flags, member: Flags, a: int) -> bool:
     return bool((links[a] & member).any())
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _joined(links: Flags, member: Flags, a: int, b: int) -> bool:
     """Whether a backbone member reaches another over members only."""
     uavs = links.shape[0]

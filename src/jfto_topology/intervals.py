@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from jfto_topology.rings import RING_WIDTH
+from jfto_world.compiled import kernel
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def power_intervals(
     required_w: Array, ring_w: Array, active: Flags, p_max_w: Array
 ) -> tuple[Array, Array, Array, Flags]:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from jfto_world.compiled import kernel
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def lmst_links(required_w: Array) -> Flags:
     """Links of LMST with G+, (M, A, A): kept by at least one end.
 
@@ -47,7 +48,7 @@ def lmst_links(required_w: Array) -> Flags:
     return kept
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _before(required: Array, a: int, b: int, c: int, d: int) -> bool:
     """Whether link ab comes before link cd in the one order that all UAVs agree on."""
     if required[a, b] != required[c, d]:

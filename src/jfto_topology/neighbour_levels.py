@@ -7,14 +7,15 @@ rank, so a level stands for the whole list.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from jfto_world.compiled import kernel
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def neighbour_levels(required_w: Array, ring_w: Array, k_min: int) -> tuple[Array, Flags, Flags]:
     """Least level of each UAV so that lists are mutual, K_min long and join the fleet.
 
@@ -48,7 +49,7 @@ def neighbour_levels(required_w: Array, ring_w: Array, k_min: int) -> tuple[Arra
     return level_w, deficit, connected
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _list_nearest(ring: Array, k_min: int, level: Array, deficit: Flags) -> None:
     """Set each level to cover the K_min nearest candidates (eq. Pmin1)."""
     uavs = level.shape[0]
@@ -69,7 +70,7 @@ def _list_nearest(ring: Array, k_min: int, level: Array, deficit: Flags) -> None
         deficit[a] = listed < k_min
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _repair(ring: Array, level: Array, queue: NDArray, queued: Flags, waiting: int) -> None:
     """Raise whoever is listed without listing back, until every list is mutual.
 
@@ -90,7 +91,7 @@ def _repair(ring: Array, level: Array, queue: NDArray, queued: Flags, waiting: i
                     waiting += 1
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _components(ring: Array, level: Array, label: NDArray, stack: NDArray) -> int:
     """Label the components of the listed graph from 0 and return their number."""
     uavs = level.shape[0]
@@ -114,7 +115,7 @@ def _components(ring: Array, level: Array, label: NDArray, stack: NDArray) -> in
     return count
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _shortest_missing_link(required: Array, label: NDArray) -> tuple[int, int]:
     """Cheapest possible link between two components; the lower indices where two cost the same."""
     uavs = label.shape[0]

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InputError
+from jfto_world.compiled import kernel
 from jfto_world.radio import Channel
 
 Array = NDArray[np.float64]
@@ -69,7 +69,7 @@ def checked_sensitivity(sensitivity_w: float) -> None:
         raise InputError(f"sensitivity_w is {sensitivity_w}, must be positive watts.")
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _pair_distances(positions_m: Array) -> Array:
     slots, uavs, _ = positions_m.shape
     distance = np.empty((slots, uavs * (uavs - 1) // 2))
@@ -85,7 +85,7 @@ def _pair_distances(positions_m: Array) -> Array:
     return distance
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _fill(pair_gain: Array, p_max_w: Array, sensitivity_w: float) -> Array:
     slots, uavs = pair_gain.shape[0], p_max_w.shape[0]
     required = np.full((slots, uavs, uavs), np.inf)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from jfto_world.compiled import kernel
 
 Array = NDArray[np.float64]
 
@@ -13,7 +14,7 @@ Array = NDArray[np.float64]
 RING_WIDTH = 1e-9
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def ring_powers(required_w: Array) -> Array:
     """Power that takes in b together with all that a cannot tell apart from b by power.
 
@@ -34,7 +35,7 @@ def ring_powers(required_w: Array) -> Array:
     return ring_w
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _sort(row: Array, order: NDArray) -> None:
     """Put the indices of a row into `order` by rising value; insertion suits rows this short."""
     for index in range(row.shape[0]):

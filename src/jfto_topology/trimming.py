@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from jfto_world.compiled import kernel
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -13,7 +14,7 @@ Flags = NDArray[np.bool_]
 CHOICES = 4
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def trimmed_lists(
     required_w: Array, ring_w: Array, level_w: Array, k_min: int, delta: int
 ) -> tuple[Flags, NDArray[np.int64], Flags]:
@@ -42,7 +43,7 @@ def trimmed_lists(
     return active, before, over
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _trim(
     required: Array, ring: Array, active: Flags, degree: NDArray, k_min: int, delta: int
 ) -> None:
@@ -85,7 +86,7 @@ def _trim(
         choice = 0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _longest_first(required: Array, active: Flags) -> NDArray[np.int64]:
     """Active links (L, 2) by falling power, then by index."""
     uavs = active.shape[0]
@@ -104,7 +105,7 @@ def _longest_first(required: Array, active: Flags) -> NDArray[np.int64]:
     return ends[:count]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _two_farthest(ring: Array, active: Flags, a: int, farthest: NDArray) -> None:
     """Note a's two most costly active neighbours, -1 where there is none."""
     first, second = -1, -1
@@ -118,14 +119,14 @@ def _two_farthest(ring: Array, active: Flags, a: int, farthest: NDArray) -> None
     farthest[a, 0], farthest[a, 1] = first, second
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _beyond_power(required: Array, ring: Array, farthest: NDArray, a: int, b: int) -> bool:
     """Whether a, once it serves its other neighbours only, no longer reaches b."""
     other = farthest[a, 1] if farthest[a, 0] == b else farthest[a, 0]
     return other < 0 or required[a, b] > ring[a, other]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _detour(active: Flags, a: int, b: int) -> bool:
     """Whether a still reaches b over others, so that their own link is not a bridge."""
     uavs = active.shape[0]

@@ -3,7 +3,6 @@
 A segment is fixed by position, velocity and acceleration at both ends and its duration T: its six
 control points are P1 = P0 + T v0/5, P2 = P0 + 2 T v0/5 + T² a0/20, mirrored at the other end.
 A corner is a pair of segments from cruise on one leg through the waypoint to cruise on the next.
-All compiled functions share this file because the compiler's cache looks at one file's age only.
 """
 
 from __future__ import annotations
@@ -11,8 +10,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from jfto_world.compiled import kernel
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -37,7 +37,7 @@ _SCAN = 1.02  # step of the scan over durations
 _PATIENCE = 6.0  # durations are tried up to this many times those at cruise speed
 
 
-@njit(cache=True)
+@kernel
 def control_points(start: Array, end: Array, duration_s: float, out: Array) -> None:
     """Write the control points (6, 3) between two states (3, 3): rows p, v, a."""
     t = duration_s
@@ -50,7 +50,7 @@ def control_points(start: Array, end: Array, duration_s: float, out: Array) -> N
         out[5, k] = end[0, k]
 
 
-@njit(cache=True)
+@kernel
 def _ratio(vx: float, vy: float, vz: float, ax: float, ay: float, az: float, lim: Array) -> float:
     """Largest squared ratio of speed, acceleration and tilt to their limits at one instant."""
     worst = (vx * vx + vy * vy) / (lim[SPEED] * lim[SPEED])
@@ -63,7 +63,7 @@ def _ratio(vx: float, vy: float, vz: float, ax: float, ay: float, az: float, lim
     return max(worst, (tx * tx + ty * ty) / (up * up))
 
 
-@njit(cache=True)
+@kernel
 def sampled_excess(
     points: Array, duration_s: float, lim: Array, samples: int, stop_above: float
 ) -> float:
@@ -99,7 +99,7 @@ def sampled_excess(
     return math.sqrt(worst)
 
 
-@njit(cache=True)
+@kernel
 def fill_vertex(
     before: Array, after: Array, vertex: Array, t_b: float, t_a: float, cap: float
 ) -> None:
@@ -134,13 +134,13 @@ def fill_vertex(
             vertex[2, k] = -(g2[k] + h12 * vertex[1, k]) / h22
 
 
-@njit(cache=True)
+@kernel
 def _fits(start: Array, end: Array, duration_s: float, lim: Array, samples: int, p: Array) -> bool:
     control_points(start, end, duration_s, p)
     return sampled_excess(p, duration_s, lim, samples, 1.0) <= 1.0
 
 
-@njit(cache=True)
+@kernel
 def least_duration(start: Array, end: Array, top_s: float, lim: Array, samples: int) -> float:
     """Shortest duration up to `top_s` of a segment between two states in the limits; inf if none.
 
@@ -164,7 +164,7 @@ def least_duration(start: Array, end: Array, top_s: float, lim: Array, samples: 
     return high
 
 
-@njit(cache=True)
+@kernel
 def leg_limit(dx: float, dy: float, dz: float, lim: Array) -> float:
     """Greatest speed along a direction that need not have length 1."""
     size = math.sqrt(dx * dx + dy * dy + dz * dz)
@@ -177,7 +177,7 @@ def leg_limit(dx: float, dy: float, dz: float, lim: Array) -> float:
     return speed * (1.0 - 1e-9)
 
 
-@njit(cache=True)
+@kernel
 def _knot(at: Array, far: Array, speed: float, lim: Array, state: Array, sign: float) -> float:
     """Set `state` to cruise at `at`, on the line to `far` (sign 1) or from it (-1); line time."""
     dx, dy, dz = sign * (far[0] - at[0]), sign * (far[1] - at[1]), sign * (far[2] - at[2])
@@ -193,7 +193,7 @@ def _knot(at: Array, far: Array, speed: float, lim: Array, state: Array, sign: f
     return size / cruise
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def joint_time(
     par: Array, frame: Array, ends: Array, speeds: Array, stop: bool, cap: float, corridor: float,
     lim: Array, samples: int, best: float, states: Array, durations: Array,
@@ -249,7 +249,7 @@ def joint_time(
     return lines + durations[0] + durations[1]
 
 
-@njit(cache=True)
+@kernel
 def _strays(points: Array, waypoint: Array, along: Array, sign: float, corridor: float) -> bool:
     """Whether a control point is further than `corridor` from the ray along a leg.
 
@@ -267,7 +267,7 @@ def _strays(points: Array, waypoint: Array, along: Array, sign: float, corridor:
     return False
 
 
-@njit(cache=True)
+@kernel
 def _joint_fits(
     states: Array, t_b: float, t_a: float, frame: Array, cap: float, corridor: float, lim: Array,
     samples: int, p: Array,
@@ -284,7 +284,7 @@ def _joint_fits(
     return sampled_excess(p, t_a, lim, samples, 1.0) <= 1.0
 
 
-@njit(cache=True)
+@kernel
 def _within(par: Array, rooms: Array, corridor: float) -> bool:
     """Whether knots keep their room along the legs and their corridor beside them."""
     for side in range(2):
@@ -294,7 +294,7 @@ def _within(par: Array, rooms: Array, corridor: float) -> bool:
     return True
 
 
-@njit(cache=True)
+@kernel
 def search_joint(
     par: Array, frame: Array, ends: Array, rooms: Array, speeds: Array, stop: bool, cap: float,
     corridor: float, lim: Array, samples: int, full: bool, states: Array, durations: Array,
@@ -350,7 +350,7 @@ def search_joint(
     )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def solve_joint(
     k: int, full: bool, samples: int, route: Array, stop: Flags, cap: Array, speeds: Array,
     corridor: float, lim: Array, pars: Array, frames: Array, states: Array, durations: Array,

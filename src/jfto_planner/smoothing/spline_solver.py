@@ -8,10 +8,10 @@ Outer problem: the durations, shortened one leg at a time while all limits hold.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from jfto_planner.smoothing.kernels import control_points, sampled_excess
+from jfto_world.compiled import kernel
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -21,7 +21,7 @@ _LONGER = 1.04
 _STEPS = np.array([0.8, 0.9, 0.95, 0.98, 0.99, 0.995])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def least_jerk(fixed: Flags, durations: Array, states: Array) -> None:
     """Fill `states` (M, 3, 3) with the velocities and accelerations of least squared jerk.
 
@@ -65,7 +65,7 @@ def least_jerk(fixed: Flags, durations: Array, states: Array) -> None:
             states[joint, 2] = solution[2 * joint + 1]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _strays(control: Array, start: Array, end: Array, corridor: float) -> bool:
     """Whether a control point is further than `corridor` from the straight leg."""
     step = end - start
@@ -79,8 +79,7 @@ def _strays(control: Array, start: Array, end: Array, corridor: float) -> bool:
     return False
 
 
-# compiled anew in each process: the compiler's cache would miss changes in the file called
-@njit(nogil=True)
+@kernel
 def _fits(
     fixed: Flags, cap: Array, durations: Array, corridor: float, lim: Array, samples: int,
     states: Array,
@@ -99,7 +98,7 @@ def _fits(
     return True
 
 
-@njit(nogil=True)
+@kernel
 def shortest_durations(
     states: Array, fixed: Flags, cap: Array, corridor: float, lim: Array, durations: Array
 ) -> bool:

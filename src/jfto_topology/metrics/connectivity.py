@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InputError
+from jfto_world.compiled import kernel
 
 Flags = NDArray[np.bool_]
 
@@ -42,7 +42,7 @@ def largest_component(adjacency: Flags, present: Flags) -> NDArray[np.int64]:
     return counts.max(axis=1, initial=0)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def components(adjacency: Flags, present: Flags) -> NDArray[np.int64]:
     """Component of each UAV present, numbered from 0 in order of lowest index, -1 if absent.
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from jfto_world.compiled import kernel
 
 
 def average_hops(adjacency: NDArray[np.bool_]) -> float:
@@ -20,7 +21,7 @@ def average_hops(adjacency: NDArray[np.bool_]) -> float:
     return float("inf") if (hops < 0).any() else float(hops.sum() / pairs)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def hop_counts(adjacency: NDArray[np.bool_]) -> NDArray[np.int64]:
     """Links on the shortest path between all pairs, (M, A, A); -1 where there is none."""
     slots, uavs, _ = adjacency.shape

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from jfto_world.compiled import kernel
 
 Array = NDArray[np.float64]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def progress_time(
     times_s: Array,
     positions_m: Array,
@@ -46,7 +47,7 @@ def progress_time(
     return found, found_away
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def passes(
     times_s: Array, positions_m: Array, measured_m: Array, latest_s: float, within_m: float
 ) -> Array:
@@ -79,7 +80,7 @@ def passes(
     return found[:number].copy()
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _nearest(
     begin_s: float,
     end_s: float,

@@ -15,8 +15,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from jfto_world.compiled import kernel
 
 Array = NDArray[np.float64]
 
@@ -35,7 +36,7 @@ def _bernstein_from_samples() -> Array:
 _TO_BERNSTEIN = _bernstein_from_samples()
 
 
-@njit(cache=True)
+@kernel
 def evaluate(coefficients: Array, u: float, v: float) -> tuple[float, float, float]:
     """Height and its slopes per node at node coordinates (u along columns, v along rows)."""
     columns = coefficients.shape[1] - 2
@@ -74,14 +75,14 @@ def evaluate(coefficients: Array, u: float, v: float) -> tuple[float, float, flo
     return height, along_u, along_v
 
 
-@njit(cache=True)
+@kernel
 def evaluate_all(coefficients: Array, u: Array, v: Array, result: Array) -> None:
     """Fill `result` (3, K) with heights and slopes per node at K node coordinates."""
     for k in range(u.size):
         result[0, k], result[1, k], result[2, k] = evaluate(coefficients, u[k], v[k])
 
 
-@njit(cache=True)
+@kernel
 def _first_root(b: Array, left: Array) -> float:
     """First t in [0, 1] at which a polynomial in Bernstein form is ≤ 0; inf if none.
 
@@ -118,7 +119,7 @@ def _first_root(b: Array, left: Array) -> float:
     return math.inf
 
 
-@njit(cache=True)
+@kernel
 def _clip(
     position: float, step: float, last: float, near: float, far: float
 ) -> tuple[float, float]:
@@ -133,7 +134,7 @@ def _clip(
     return max(near, low), min(far, high)
 
 
-@njit(cache=True)
+@kernel
 def _clip_height(
     z: float, dz: float, floor: float, ceiling: float, near: float, far: float
 ) -> tuple[float, float]:
@@ -145,7 +146,7 @@ def _clip_height(
     return near, far
 
 
-@njit(cache=True)
+@kernel
 def _crossing(position: float, step: float, cell: int) -> float:
     """Distance at which a ray leaves a cell of unit width; inf where it never does."""
     if step > 0.0:
@@ -155,7 +156,7 @@ def _crossing(position: float, step: float, cell: int) -> float:
     return math.inf
 
 
-@njit(cache=True)
+@kernel
 def first_hits(
     coefficients: Array,
     highest: Array,

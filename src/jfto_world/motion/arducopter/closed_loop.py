@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InfeasibleError
+from jfto_world.compiled import kernel
 from jfto_world.motion.arducopter.follower import (
     THRUST,
     clock_step,
@@ -109,8 +109,7 @@ def flight_of_record(
     return Flight(reached_s, step_s, kept[:, :3], kept[:, 3:6], kept[:, 6:9], kept[:, 9])
 
 
-# compiled anew in each process: the compiler's cache would miss changes in the files called
-@njit
+@kernel
 def _aim(points: Array, legs: Array, elapsed: Array, leg: int, target: Array) -> None:
     """Target from the previous leg, this leg and the next, each at its own time `elapsed`."""
     first = max(leg - 1, 0)
@@ -124,7 +123,7 @@ def _aim(points: Array, legs: Array, elapsed: Array, leg: int, target: Array) ->
             target[2, axis] += a * legs[k, axis]
 
 
-@njit(nogil=True)
+@kernel
 def _settle(state: Array, parameters: Array, wind: Array, dt_s: float) -> None:
     """Let a hovering vehicle lean into the wind, as one does that has waited for its mission."""
     target = np.zeros((3, 3))
@@ -133,7 +132,7 @@ def _settle(state: Array, parameters: Array, wind: Array, dt_s: float) -> None:
         follow_step(state, target, parameters, wind[0], wind[1], dt_s)
 
 
-@njit(nogil=True)
+@kernel
 def _fly(
     points: Array,
     legs: Array,

@@ -8,9 +8,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from jfto_world.compiled import kernel
 from jfto_world.motion.arducopter.wpnav import GRAVITY_MPS2, Airframe, WpNav
 
 Array = NDArray[np.float64]
@@ -54,7 +54,7 @@ def follower_parameters(wpnav: WpNav, airframe: Airframe) -> Array:
     )
 
 
-@njit(cache=True)
+@kernel
 def clock_step(state: Array, target: Array, parameters: Array, dt_s: float) -> float:
     """Advance and return the rate of the planner's clock, which slows while the vehicle lags.
 
@@ -76,7 +76,7 @@ def clock_step(state: Array, target: Array, parameters: Array, dt_s: float) -> f
     return state[RATE]
 
 
-@njit(cache=True)
+@kernel
 def limit_tilt(demand: Array, velocity: Array, limit: float) -> bool:
     """Cut a horizontal acceleration to `limit`, in place, keeping its part across the velocity."""
     if math.sqrt(demand[0] ** 2 + demand[1] ** 2) <= limit:
@@ -98,7 +98,7 @@ def limit_tilt(demand: Array, velocity: Array, limit: float) -> bool:
     return True
 
 
-@njit(cache=True)
+@kernel
 def follow_step(
     state: Array, target: Array, parameters: Array, wind_e: float, wind_n: float, dt_s: float
 ) -> None:
@@ -137,7 +137,7 @@ def follow_step(
     _move(state, parameters, wind_e, wind_n, accel_u, dt_s)
 
 
-@njit(cache=True)
+@kernel
 def _turn(state: Array, target: Array, dt_s: float) -> None:
     """Let the nose follow the target's horizontal velocity."""
     speed = math.sqrt(target[1, 0] ** 2 + target[1, 1] ** 2)
@@ -150,7 +150,7 @@ def _turn(state: Array, target: Array, dt_s: float) -> None:
         state[HEADING], state[HEADING + 1] = he / size, hn / size
 
 
-@njit(cache=True)
+@kernel
 def _move(
     state: Array, parameters: Array, wind_e: float, wind_n: float, accel_u: float, dt_s: float
 ) -> None:

@@ -3,8 +3,7 @@
 Each leg is a jerk-limited S-curve from rest to rest, worked out here from its definition
 (raised-cosine jerk ramps of length t_j, constant jerk t_2, constant acceleration t_4); at a
 fly-through waypoint the end of one leg and the start of the next are flown at once. A leg is a row
-of 14 numbers whose columns the constants name. All compiled planner functions share this file
-because the compiler's cache looks at the age of one file only.
+of 14 numbers whose columns the constants name.
 """
 
 from __future__ import annotations
@@ -12,9 +11,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from jfto_world.compiled import kernel
 from jfto_world.motion.arducopter.wpnav import WpNav
 
 Array = NDArray[np.float64]
@@ -48,7 +47,7 @@ def planner_limits(wpnav: WpNav) -> Array:
     )
 
 
-@njit(cache=True)
+@kernel
 def solve_speed_up(
     speed: float, accel: float, jerk: float, ramp_s: float, length: float
 ) -> tuple[float, float, float, float, float, float]:
@@ -88,7 +87,7 @@ def solve_speed_up(
     return peak * (jerk_s + t_4), peak, jerk, ramp_s, jerk_s - 2.0 * ramp_s, t_4
 
 
-@njit(cache=True)
+@kernel
 def fill_leg(leg: Array, dx: float, dy: float, dz: float, limits: Array) -> None:
     """Write the row of the leg (dx, dy, dz) metres into `leg`; a leg of no length lasts 0 s."""
     length = math.sqrt(dx * dx + dy * dy + dz * dz)
@@ -112,7 +111,7 @@ def fill_leg(leg: Array, dx: float, dy: float, dz: float, limits: Array) -> None
     leg[DURATION] = t_acc + length / reached
 
 
-@njit(cache=True)
+@kernel
 def _rise(leg: Array, time_s: float) -> tuple[float, float, float]:
     """Distance, speed and acceleration in the first half of the speed-up."""
     t_j, jerk = leg[T_J], leg[JERK]
@@ -147,7 +146,7 @@ def _rise(leg: Array, time_s: float) -> tuple[float, float, float]:
     return x, w, a
 
 
-@njit(cache=True)
+@kernel
 def speed_up(leg: Array, time_s: float) -> tuple[float, float, float]:
     """Distance, speed and acceleration `time_s` after leaving rest, cruising once at speed."""
     t_acc = leg[T_ACC]
@@ -162,7 +161,7 @@ def speed_up(leg: Array, time_s: float) -> tuple[float, float, float]:
     return leg[SPEED] * (time_s - 0.5 * t_acc) + x, leg[SPEED] - w, a
 
 
-@njit(cache=True)
+@kernel
 def along_leg(leg: Array, time_s: float) -> tuple[float, float, float]:
     """Distance, speed and acceleration `time_s` after the leg began; at rest at its end."""
     if time_s >= leg[DURATION]:
@@ -173,7 +172,7 @@ def along_leg(leg: Array, time_s: float) -> tuple[float, float, float]:
     return leg[LENGTH] - x, w, -a
 
 
-@njit(cache=True)
+@kernel
 def _may_turn(this: Array, after: Array, half_s: float, radius: float, accel: float) -> bool:
     """Whether the autopilot would begin the turn `half_s` before and end it after the corner."""
     x1, w1, c1 = speed_up(this, half_s)
@@ -192,7 +191,7 @@ def _may_turn(this: Array, after: Array, half_s: float, radius: float, accel: fl
     return math.sqrt(ax * ax + ay * ay) < accel
 
 
-@njit(cache=True)
+@kernel
 def half_overlap_s(this: Array, after: Array, limits: Array) -> float:
     """Half of the time m during which both legs move the target at a fly-through waypoint.
 
@@ -226,7 +225,7 @@ def half_overlap_s(this: Array, after: Array, limits: Array) -> float:
     return low
 
 
-@njit(cache=True)
+@kernel
 def plan_legs(
     points: Array,
     limits: Array,
@@ -252,7 +251,7 @@ def plan_legs(
         now += hold_s[k + 1] - half_s[k + 1]
 
 
-@njit(cache=True)
+@kernel
 def sample_target(points: Array, legs: Array, begin_s: Array, times_s: Array, out: Array) -> None:
     """Write position, velocity and acceleration at `times_s` into `out` (T, 3, 3)."""
     count = len(legs)
@@ -273,7 +272,7 @@ def sample_target(points: Array, legs: Array, begin_s: Array, times_s: Array, ou
                 out[i, 2, axis] += a * unit
 
 
-@njit(cache=True)
+@kernel
 def fill_leg_times(points: Array, limits: Array, stops: bool, out: Array) -> None:
     """Write the time between each ordered pair of points into `out` (M, M).
 

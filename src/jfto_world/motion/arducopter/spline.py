@@ -10,10 +10,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InputError
+from jfto_world.compiled import kernel
 from jfto_world.motion.arducopter.closed_loop import Flight, flight_of_record, flown_state
 from jfto_world.motion.arducopter.follower import (
     THRUST,
@@ -100,7 +100,7 @@ def _end_speeds(points: Array, wpnav: WpNav) -> Array:
     return speeds
 
 
-@njit
+@kernel
 def _along(direction: Array, level: float, up: float, down: float) -> float:
     """Greatest length of a vector in a direction whose parts keep their limits."""
     size = math.sqrt(np.sum(direction * direction))
@@ -118,7 +118,7 @@ def _along(direction: Array, level: float, up: float, down: float) -> float:
     return found
 
 
-@njit
+@kernel
 def _allowed(
     curve: Array, u: float, limits: Array, end: Array, end_speed: float, out: Array
 ) -> tuple[float, float, float]:
@@ -142,7 +142,7 @@ def _allowed(
     return size, speed, accel
 
 
-@njit
+@kernel
 def _fly_splines(
     curves: Array,
     end_speeds: Array,
