@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.ros.stamps import encode_time
 from jfto_msgs_py.ros.topics import MAP_FRAME
-from jfto_world.terrain import Dem
+
+if TYPE_CHECKING:
+    from jfto_world.terrain import Dem
 
 Array = NDArray[np.float64]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from geometry_msgs.msg import PoseStamped
@@ -36,7 +36,9 @@ from jfto_topology.topology_status import Heard, about_node, about_uav
 from jfto_world.motion.fleet_plan import FleetPlan
 from jfto_world.motion.fleet_prediction import FleetPrediction
 from jfto_world.radio import LossEstimate, make_channel, pairwise_distances
-from jfto_world.terrain import Dem
+
+if TYPE_CHECKING:
+    from jfto_world.terrain import Dem
 
 # How soon to look again for a fleet that nobody hears of, at least.
 _RETRY_S = 0.1

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from jfto_world.terrain.kernels import evaluate_all
 
@@ -40,6 +39,9 @@ class CubicSurface:
         Beyond the grid the heights are continued by odd reflection, so that the slope at its edge
         is that of the data.
         """
+        # Here and not above: it takes longer to load than a node that died may be away.
+        from scipy import ndimage
+
         grid = np.asarray(heights, dtype=np.float64)
         padded = np.pad(grid, _PAD, mode="reflect", reflect_type="odd")
         filtered = ndimage.spline_filter(padded, order=3, mode="mirror")

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from affine import Affine
-from matplotlib import cbook
 from numpy.typing import NDArray
 from pyproj import CRS
 
@@ -23,6 +22,9 @@ def jacksboro() -> Raster:
     The file's `ymin` and `ymax` are swapped: row 0 is its northern edge, as the 1076 m summit of
     the Cumberland Mountains in the south of the tile shows. Both are taken as a pair here.
     """
+    # Here, since drawing is no business of a node that needs no more than its own scenario.
+    from matplotlib import cbook
+
     try:
         tile: Any = cbook.get_sample_data(_FILE)  # typed as a stream, is an npz archive
         heights = np.asarray(tile["elevation"], dtype=np.float64)
