@@ -29,58 +29,90 @@ _LABEL_SIZE_M = 20.0
 
 @dataclass(frozen=True)
 class Scene:
-    """What is drawn: every UAV's path (M, 3) and position (A, 3), ENU metres.
+    """What is drawn of one slot: the position of every UAV (A, 3), ENU metres, and the links.
 
     `links` (L, L) and `margins_db` (L, L) are over `linked_ids`, the UAVs that take part.
     """
 
     stamp_ns: int
-    uav_ids: tuple[str, ...]
-    paths_m: dict[str, Array]
     positions_m: Array
     linked_ids: tuple[str, ...]
     links: NDArray[np.bool_]
     margins_db: Array
 
 
-def encode_markers(scene: Scene) -> Any:
-    """visualization_msgs/MarkerArray that replaces all that was drawn before.
+class FleetMarkers:
+    """Draws a fleet over its paths (M, 3), ENU metres, by UAV.
 
-    It is whole each time, so that a late joiner sees everything.
+    What stays from slot to slot is made once: a slot's time is for its topology.
     """
-    from visualization_msgs.msg import Marker, MarkerArray
 
-    markers: list[Any] = []
+    def __init__(self, paths_m: dict[str, Array]) -> None:
+        from visualization_msgs.msg import Marker
 
-    def add(namespace: str, kind: int, color: Color, size_m: float, **fields: Any) -> Any:
-        marker = Marker(ns=namespace, id=len(markers), type=kind, action=Marker.ADD, **fields)
-        marker.header.frame_id = MAP_FRAME
-        marker.header.stamp = encode_time(scene.stamp_ns)
-        marker.color.r, marker.color.g, marker.color.b = color
-        marker.color.a = 1.0
-        marker.scale.x = size_m
-        marker.pose.orientation.w = 1.0
-        markers.append(marker)
-        return marker
+        self._uav_ids = tuple(paths_m)
+        self._clear = Marker(action=Marker.DELETEALL)
+        self._paths = [
+            _marker("paths", index, Marker.LINE_STRIP, _PATH_COLOR, points=_points(path_m))
+            for index, path_m in enumerate(paths_m.values())
+        ]
+        self._balls, self._labels = [], []
+        for index, uav in enumerate(paths_m):
+            ball = _marker("uavs", index, Marker.SPHERE, _UAV_COLOR)
+            ball.scale.x = ball.scale.y = ball.scale.z = _UAV_SIZE_M
+            label = _marker("names", index, Marker.TEXT_VIEW_FACING, _UAV_COLOR, text=uav)
+            label.scale.x, label.scale.z = 0.0, _LABEL_SIZE_M
+            self._balls.append(ball)
+            self._labels.append(label)
 
-    for uav in scene.uav_ids:
-        add("paths", Marker.LINE_STRIP, _PATH_COLOR, 1.0, points=_points(scene.paths_m[uav]))
-    for color, width_m, ends in _link_groups(scene):
-        add("links", Marker.LINE_LIST, color, width_m, points=_points(ends))
-    for uav, position in zip(scene.uav_ids, scene.positions_m, strict=True):
-        color = _UAV_COLOR if uav in scene.linked_ids else _ALONE_COLOR
-        ball = add("uavs", Marker.SPHERE, color, _UAV_SIZE_M)
-        ball.scale.y = ball.scale.z = _UAV_SIZE_M
-        _place(ball, position)
-        label = add("names", Marker.TEXT_VIEW_FACING, color, 0.0, text=uav)
-        label.scale.z = _LABEL_SIZE_M
-        _place(label, position + np.array([0.0, 0.0, _LABEL_SIZE_M]))
-    return MarkerArray(markers=[Marker(action=Marker.DELETEALL), *markers])
+    def draw(self, scene: Scene) -> Any:
+        """visualization_msgs/MarkerArray that replaces all that was drawn before.
+
+        It is whole each time, so that a late joiner sees everything; the next call changes it.
+        """
+        from visualization_msgs.msg import MarkerArray
+
+        stamp = encode_time(scene.stamp_ns)
+        for index, uav in enumerate(self._uav_ids):
+            color = _UAV_COLOR if uav in scene.linked_ids else _ALONE_COLOR
+            east, north, up = scene.positions_m[index].tolist()
+            _place(self._balls[index], color, east, north, up)
+            _place(self._labels[index], color, east, north, up + _LABEL_SIZE_M)
+        markers = [*self._paths, *self._links(scene), *self._balls, *self._labels]
+        for marker in markers:
+            marker.header.stamp = stamp
+        return MarkerArray(markers=[self._clear, *markers])
+
+    def _links(self, scene: Scene) -> list[Any]:
+        from visualization_msgs.msg import Marker
+
+        drawn = []
+        for color, width_m, ends in _link_groups(scene, self._uav_ids):
+            marker = _marker("links", len(drawn), Marker.LINE_LIST, color, points=_points(ends))
+            marker.scale.x = width_m
+            drawn.append(marker)
+        return drawn
 
 
-def _link_groups(scene: Scene) -> list[tuple[Color, float, Array]]:
+def _marker(namespace: str, number: int, kind: int, color: Color, **fields: Any) -> Any:
+    from visualization_msgs.msg import Marker
+
+    marker = Marker(ns=namespace, id=number, type=kind, action=Marker.ADD, **fields)
+    marker.header.frame_id = MAP_FRAME
+    marker.color.r, marker.color.g, marker.color.b = color
+    marker.color.a = marker.scale.x = marker.pose.orientation.w = 1.0
+    return marker
+
+
+def _place(marker: Any, color: Color, east: float, north: float, up: float) -> None:
+    marker.color.r, marker.color.g, marker.color.b = color
+    point = marker.pose.position
+    point.x, point.y, point.z = east, north, up
+
+
+def _link_groups(scene: Scene, uav_ids: tuple[str, ...]) -> list[tuple[Color, float, Array]]:
     """Colour, width and ends (2 L, 3) of the links of each kind, weakest first."""
-    position = dict(zip(scene.uav_ids, scene.positions_m, strict=True))
+    position = dict(zip(uav_ids, scene.positions_m, strict=True))
     groups, low = [], -np.inf
     for high, color, width_m in LINK_LOOKS:
         drawn = scene.links & (scene.margins_db >= low) & (scene.margins_db < high)
@@ -96,8 +128,3 @@ def _points(line_m: Array) -> list[Any]:
     from geometry_msgs.msg import Point
 
     return [Point(x=x, y=y, z=z) for x, y, z in line_m.tolist()]
-
-
-def _place(marker: Any, position_m: Array) -> None:
-    point = marker.pose.position
-    point.x, point.y, point.z = (float(value) for value in position_m)

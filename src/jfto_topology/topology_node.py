@@ -29,7 +29,7 @@ from jfto_topology.fleet_news import FleetNews
 from jfto_topology.flight_watch import FlightWatch
 from jfto_topology.horizon import HorizonSettings, HorizonTopology, TopologyHorizon
 from jfto_topology.links import SPREADS, Links
-from jfto_topology.markers import Scene, encode_markers
+from jfto_topology.markers import FleetMarkers, Scene
 from jfto_topology.terrain_mesh import encode_terrain
 from jfto_topology.topology_options import TopologyOptions
 from jfto_topology.topology_status import Heard, about_node, about_uav
@@ -74,6 +74,7 @@ class TopologyNode(GraphNode[TopologyOptions]):
             options.margin_db,
         )
         self._losses = LossEstimate(self._links.channel)
+        self._drawing: FleetMarkers | None = None
         self._news = FleetNews(self._prediction)
         self._watch = FlightWatch(
             self._prediction, self._links, scenario.mission.d_min_m, options.watch_slots
@@ -131,7 +132,7 @@ class TopologyNode(GraphNode[TopologyOptions]):
         if trajectory is None or not self._plan.take(uav, trajectory):
             return
         self._prediction.set_trajectory(uav, trajectory)
-        self._horizon = None
+        self._horizon = self._drawing = None
         # Plans of one planning begin together; until all are there, the fleet has none.
         if self._plan.complete:
             try:
@@ -234,19 +235,20 @@ class TopologyNode(GraphNode[TopologyOptions]):
     def _publish(self, found: HorizonTopology, now_ns: int) -> None:
         self._adjacency.publish(encode_adjacency(found.adjacency))
         self._intervals.publish(encode_power_intervals(found.intervals))
-        if self._options.markers:
-            now = np.array([now_ns])
-            uav_ids = self._plan.uav_ids
-            scene = Scene(
-                now_ns,
-                uav_ids,
-                {uav: self._plan.trajectory(uav).position_m for uav in uav_ids},
-                self._prediction.positions(uav_ids, now)[0],
-                found.adjacency.uav_ids,
-                found.adjacency.links[0],
-                self._margins_db(found),
-            )
-            self._markers.publish(encode_markers(scene))
+        if not self._options.markers:
+            return
+        uav_ids = self._plan.uav_ids
+        if self._drawing is None:
+            paths_m = {uav: self._plan.trajectory(uav).position_m for uav in uav_ids}
+            self._drawing = FleetMarkers(paths_m)
+        scene = Scene(
+            now_ns,
+            self._prediction.positions(uav_ids, np.array([now_ns]))[0],
+            found.adjacency.uav_ids,
+            found.adjacency.links[0],
+            self._margins_db(found),
+        )
+        self._markers.publish(self._drawing.draw(scene))
 
     def _margins_db(self, found: HorizonTopology) -> np.ndarray:
         """What each pair could lose in the current slot, weaker end at greatest power, in dB."""

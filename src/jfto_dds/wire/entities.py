@@ -55,6 +55,18 @@ class Received(NamedTuple):
     publication_handle: int
 
 
+def _settled(list_peers: Callable[[], list[int]]) -> list[int]:
+    """Handles of the peers that match.
+
+    The binding counts them before it lists them, and fails where one has joined in between.
+    """
+    while True:
+        try:
+            return list_peers()
+        except IndexError:
+            continue
+
+
 def _new_topic(participant: Any, dds_topic: str, idl_type: Any) -> Topic:
     """Create a topic; Cyclone's refusal of a good one, seen once in 1840 starts, is not final.
 
@@ -158,12 +170,12 @@ class Writer(_Endpoint):
 
     def matched_count(self) -> int:
         """Count the readers that match."""
-        return len(self._require().get_matched_subscriptions())
+        return len(_settled(self._require().get_matched_subscriptions))
 
     def matched(self) -> dict[int, dict[str, str]]:
         """USER_DATA of the readers that match, by handle."""
         entity = self._require()
-        handles = entity.get_matched_subscriptions()
+        handles = _settled(entity.get_matched_subscriptions)
         self._peers = self._matched_data(handles, entity.get_matched_subscription_data)
         return self._peers
 
@@ -232,12 +244,12 @@ class Reader(_Endpoint):
 
     def matched_count(self) -> int:
         """Count the writers that match."""
-        return len(self._require().get_matched_publications())
+        return len(_settled(self._require().get_matched_publications))
 
     def matched(self) -> dict[int, dict[str, str]]:
         """USER_DATA of the writers that match, by handle."""
         entity = self._require()
-        handles = entity.get_matched_publications()
+        handles = _settled(entity.get_matched_publications)
         self._peers = self._matched_data(handles, entity.get_matched_publication_data)
         return self._peers
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from statistics import median
 
 import numpy as np
 from numpy.typing import NDArray
@@ -108,7 +109,7 @@ class FleetPrediction:
             for uav_id in uav_ids
             if (progress := self._look(uav_id)) is not None and progress.following
         ]
-        return float(np.median(found)) if found else None
+        return median(found) if found else None
 
     def fresh(self, now_ns: int, stale_after_s: float) -> tuple[str, ...]:
         """UAVs with a trajectory and a pose that is not older than `stale_after_s`."""
