@@ -21,7 +21,7 @@ from jfto_msgs_py.write_file import write_file
 # digit of a sum does not depend on the machine.
 DECIMALS = 6
 _ORIGIN_DECIMALS = 9
-_SIZE_LIMIT = 500_000_000
+PLAN_SIZE_LIMIT = 500_000_000
 
 
 def write_plan(plan: Plan, path: str | Path) -> None:
@@ -32,7 +32,7 @@ def write_plan(plan: Plan, path: str | Path) -> None:
 def read_plan(path: str | Path) -> Plan:
     """Plan of a file; raises PlanError that names the file, the key and what to do."""
     path = Path(path)
-    return plan_of_text(read_text(path, PlanError, "plan", _SIZE_LIMIT), path)
+    return plan_of_text(read_text(path, PlanError, "plan", PLAN_SIZE_LIMIT), path)
 
 
 def rounded(plan: Plan) -> Plan:

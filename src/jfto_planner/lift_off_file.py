@@ -7,9 +7,10 @@ import json
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.errors import InputError, PlanError
 from jfto_msgs_py.plan import Plan
-from jfto_msgs_py.plan_file import plan_text
+from jfto_msgs_py.plan_file import PLAN_SIZE_LIMIT, plan_text
+from jfto_msgs_py.plan_reader import plan_of_text
 from jfto_msgs_py.read_text import read_text
 from jfto_msgs_py.write_file import write_file
 
@@ -36,7 +37,7 @@ def write_lift_off(plan: Plan, state: LiftOffState, path: Path) -> None:
     document = {
         "format": LIFT_OFF_FORMAT,
         "version": LIFT_OFF_VERSION,
-        "plan_sha256": _digest(plan),
+        "plan_sha256": _digest(plan_text(plan)),
         **asdict(state),
     }
     write_file(path, json.dumps(document, indent=1) + "\n")
@@ -47,8 +48,24 @@ def read_lift_off(plan: Plan, path: Path) -> LiftOffState | None:
 
     Raises InputError where it is no such file.
     """
+    digest, state = _read(path)
+    return state if digest == _digest(plan_text(plan)) else None
+
+
+def sound_plan(plan_file: Path, path: Path) -> Plan | None:
+    """The plan of a file if its lift-off is known, None for a plan that was changed since.
+
+    Lift-off is only written of a plan that was found sound. Raises InputError, PlanError.
+    """
+    text = read_text(plan_file, PlanError, "plan", PLAN_SIZE_LIMIT)
+    digest, _ = _read(path)
+    return plan_of_text(text, plan_file) if digest == _digest(text) else None
+
+
+def _read(path: Path) -> tuple[str, LiftOffState | None]:
+    """Digest of the plan whose lift-off it is, and the lift-off; "" and None without a file."""
     if not path.exists():
-        return None
+        return "", None
     text = read_text(path, InputError, "lift-off", _SIZE_LIMIT)
     try:
         document = json.loads(text)
@@ -57,13 +74,13 @@ def read_lift_off(plan: Plan, path: Path) -> LiftOffState | None:
         state = LiftOffState(
             int(document["planned_ns"]), int(document["start_ns"]), bool(document["heard"])
         )
-        digest = document["plan_sha256"]
+        digest = str(document["plan_sha256"])
     except (ValueError, KeyError, TypeError) as error:
         raise InputError(
             f"{path}: does not say when lift-off is ({error!r}). Name another file or delete it."
         ) from None
-    return state if digest == _digest(plan) else None
+    return digest, state
 
 
-def _digest(plan: Plan) -> str:
-    return hashlib.sha256(plan_text(plan).encode()).hexdigest()
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()

@@ -25,6 +25,7 @@ from jfto_msgs_py.ros.stamps import decode_time
 from jfto_msgs_py.ros.vehicle import encode_path, encode_trajectory
 from jfto_msgs_py.scenario import Scenario
 from jfto_planner.lift_off import LiftOff
+from jfto_planner.lift_off_file import sound_plan
 from jfto_planner.plan_job import PlanJob, Progress
 from jfto_planner.plan_trajectory import timed_paths, timed_trajectories
 from jfto_planner.planner_options import PlannerOptions
@@ -103,13 +104,14 @@ class PlannerNode(GraphNode[PlannerOptions]):
     def _begin(self, *, fresh: bool) -> None:
         scenario, path = self._scenario, self._options.plan_file
         file = FilePath(path) if path else None
+        state = FilePath(self._options.state_file) if self._options.state_file else None
         make = self._make_plan
         load = file is not None and (make is None or (file.exists() and not fresh))
 
         def work(progress: Progress) -> Plan:
             if load:
                 assert file is not None
-                return self._load(file)
+                return (sound_plan(file, state) if state else None) or self._load(file)
             assert make is not None
             plan = make(scenario, progress)
             if file is not None and (plan.certificate is None or plan.certificate.clean):

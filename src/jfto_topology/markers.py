@@ -86,7 +86,7 @@ class FleetMarkers:
     def _links(self, scene: Scene) -> list[Any]:
         from visualization_msgs.msg import Marker
 
-        drawn = []
+        drawn: list[Any] = []
         for color, width_m, ends in _link_groups(scene, self._uav_ids):
             marker = _marker("links", len(drawn), Marker.LINE_LIST, color, points=_points(ends))
             marker.scale.x = width_m

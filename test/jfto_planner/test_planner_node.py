@@ -96,6 +96,29 @@ def test_a_restart_keeps_plan_and_lift_off(graph, tmp_path) -> None:
     assert read_plan(tmp_path / "plan.json").slots == second._plan.slots
 
 
+def test_a_restart_does_not_check_again_what_it_found_sound(graph, tmp_path) -> None:
+    """The plan whose lift-off it has kept is taken as it is; one that was changed is checked."""
+    files = {"plan_file": str(tmp_path / "plan.json"), "state_file": str(tmp_path / "start.json")}
+    first = graph.add(PlannerNode, _plan, **files)
+    graph.until(lambda: first._plan is not None)
+    graph.remove(first)
+    checked: list[str] = []
+
+    def check(path):
+        checked.append(path.name)
+        return read_plan(path)
+
+    second = graph.add(PlannerNode, None, check, **files)
+    graph.until(lambda: second._plan is not None)
+    assert checked == []
+    graph.remove(second)
+    plan = read_plan(tmp_path / "plan.json")
+    write_plan(replace(plan, scenario_hash="0" * 64), tmp_path / "plan.json")
+    third = graph.add(PlannerNode, None, check, **files)
+    graph.until(lambda: third._plan is not None)
+    assert checked == ["plan.json"]
+
+
 def test_an_unsound_plan_is_not_published(graph) -> None:
     """A plan whose certificate lists violations is refused; replan and diagnostics say why."""
 
