@@ -105,7 +105,7 @@ class ArduCopter:
 
         Take-off, and where the corners are flown through, the start and the end at rest.
         """
-        extra = takeoff_s(self.takeoff_m, limits.climb_mps)
+        extra = self._takeoff_s(limits)
         if self.hold_s == 0:
             corner = np.array([[0.0, 0, 0], [1e3, 0, 0], [1e3, 1e3, 0]])
             overlaps = plan_target(corner, self.wpnav.within(limits)).half_overlap_s
@@ -116,20 +116,25 @@ class ArduCopter:
         """Time at which each point is reached (hold included), shape (M,), the first being 0."""
         route = np.asarray(route_m, dtype=np.float64)
         reached = self._motion(route, limits).reached_s.copy()
-        reached[1:] += takeoff_s(self.takeoff_m, limits.climb_mps)
+        reached[1:] += self._takeoff_s(limits)
         return reached
 
     def positions(self, route_m: Array, limits: MotionLimits, times_s: Array) -> Array:
         """Positions at the given times, shape (T, 3); stays at the last point."""
         route = np.asarray(route_m, dtype=np.float64)
         times = np.atleast_1d(np.asarray(times_s, dtype=np.float64))
-        climb_s = takeoff_s(self.takeoff_m, limits.climb_mps)
+        climb_s = self._takeoff_s(limits)
         where = self._motion(route, limits).positions(times - climb_s)
         rising = times < climb_s
-        height = takeoff_height_m(self.takeoff_m, limits.climb_mps, times[rising])
+        height = takeoff_height_m(
+            self.takeoff_m, limits.climb_mps, self.wpnav.accel_z_mps2, times[rising]
+        )
         where[rising] = route[0]
         where[rising, 2] += height
         return where
+
+    def _takeoff_s(self, limits: MotionLimits) -> float:
+        return takeoff_s(self.takeoff_m, limits.climb_mps, self.wpnav.accel_z_mps2)
 
     def _motion(self, route: Array, limits: MotionLimits) -> Flight | TargetTrack:
         start = route.copy()
