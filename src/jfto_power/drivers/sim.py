@@ -64,4 +64,5 @@ class SimDriver:
                 return float(rest)
             except ValueError:
                 raise RadioError(f"'{line}' was answered '{answer}', which is no power.") from None
-        raise RadioError(f"'{line}' was refused: {rest or answer}")
+        # The simulator's own sentence says whose radio it is: the line sent would say less.
+        raise RadioError(rest or f"'{line}' was answered '{answer}'.")
