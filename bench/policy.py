@@ -9,7 +9,8 @@ search from the policy's routes (`rl+search`, the policy's time counted) and PyV
 nothing of the radio, on the first `--slow`. Gaps are over PyVRP's length, on the problems that
 PyVRP and the method both solved; `feasible` is the share whose routes pass the exact check. Times
 are of one core, after loading and compiling. `first` is the time until a sound plan is there: the
-policy's where it is sound, else the search's from it; beside it that of the search alone.
+policy's greedy one, or else that of the first symmetry that is sound, or else the search's after
+them; beside it that of the search alone.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from jfto_planner.methods import learned_routes
+from jfto_planner.methods import first_sound_routes, learned_routes, search_from
 from jfto_planner.policy import generator
 from jfto_planner.policy.compiled_policy import CompiledPolicy
 from jfto_planner.policy.problem_of import problem_of
@@ -33,7 +34,6 @@ from jfto_planner.policy.training.seeds import HELD_OUT, generator_of
 from jfto_planner.policy.weights import load_weights
 from jfto_planner.routing import RoutingProblem, SearchSettings, search
 from jfto_planner.routing.annealer import Annealer
-from jfto_planner.routing.assess import Routes
 from jfto_planner.routing.result import SearchResult
 from routing import radio_free_length_m
 
@@ -73,19 +73,15 @@ def run(problems: list[RoutingProblem], solve: Callable[[RoutingProblem], Search
     return Outcome(np.array(lengths), np.array(seconds))
 
 
-def searched(
-    problem: RoutingProblem, seconds: float, warm_start: Routes | None = None
-) -> SearchResult:
+def effort(seconds: float) -> SearchSettings:
     """The search on one core for so long."""
-    settings = SearchSettings(moves=None, time_limit_s=seconds, starts=1, workers=1)
-    return search(problem, settings, seed=0, warm_start=warm_start)
+    return SearchSettings(moves=None, time_limit_s=seconds, starts=1, workers=1)
 
 
-def first_sound_s(problem: RoutingProblem, warm_start: Routes | None, limit_s: float) -> float:
+def first_sound_s(problem: RoutingProblem, limit_s: float) -> float:
     """Seconds until the search has sound routes."""
     begun = time.perf_counter()
-    settings = SearchSettings(moves=None, time_limit_s=limit_s, starts=1, workers=1)
-    annealer = Annealer(problem, settings, 0, warm_start)
+    annealer = Annealer(problem, effort(limit_s), 0, None)
     found = [math.inf]
 
     def observe(_: float, length_m: float, __: float) -> None:
@@ -101,15 +97,11 @@ def first_sound_s(problem: RoutingProblem, warm_start: Routes | None, limit_s: f
 
 def first_times_s(policy: CompiledPolicy, problem: RoutingProblem) -> tuple[float, float]:
     """Seconds until the first sound plan: with the policy, and by the search alone."""
-    begun = time.perf_counter()
-    for mode in ("greedy", "symmetry"):
-        learned = learned_routes(policy, problem, (mode,), 0)
-        if learned.feasible:
-            break
-    with_policy = time.perf_counter() - begun
+    learned = first_sound_routes(policy, problem)
+    with_policy = learned.seconds
     if not learned.feasible:
-        with_policy += first_sound_s(problem, learned.routes, 10.0)
-    return with_policy, first_sound_s(problem, None, 10.0)
+        with_policy += first_sound_s(problem, 10.0)
+    return with_policy, first_sound_s(problem, 10.0)
 
 
 def bench_size(
@@ -127,13 +119,13 @@ def bench_size(
         return lambda problem: learned_routes(policy, problem, (mode,), 0)
 
     def learned_then_searched(problem: RoutingProblem) -> SearchResult:
-        start = learned_routes(policy, problem, ("symmetry",), 0)
+        start = first_sound_routes(policy, problem)
         left = max(chosen.seconds - start.seconds, 0.05)
-        return searched(problem, left, start.routes)
+        return search_from(problem, effort(left), start, seed=0)
 
     rows = {mode: run(problems, learned(mode)) for mode in ("greedy", "symmetry")}
     rows["sample"] = run(problems[: chosen.sampled], learned("sample"))
-    rows["search"] = run(few, lambda problem: searched(problem, chosen.seconds))
+    rows["search"] = run(few, lambda problem: search(problem, effort(chosen.seconds), seed=0))
     rows["rl+search"] = run(few, learned_then_searched)
     for name, outcome in rows.items():
         sound = np.isfinite(outcome.lengths)

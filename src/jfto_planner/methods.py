@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from jfto_planner.policy.compiled_policy import CompiledPolicy
-from jfto_planner.policy.inference import plan_routes
+from jfto_planner.policy.inference import PolicyRoutes, ranked_routes, turned_routes
 from jfto_planner.policy.weights import load_weights
 from jfto_planner.routing import RoutingProblem, SearchResult, SearchSettings, search
 from jfto_planner.routing.assess import Routes, assess
 
 SEARCH, RL, RL_SEARCH, AUTO = "search", "rl", "rl+search", "auto"
 Progress = Callable[[float, str], None]
+# Rollouts of a mode that are checked exactly, best first, until one is sound: the policy's own
+# check sees fewer instants.
+CHECKED = 16
+# Temperature at which the search takes up the policy's routes, over that of other warm starts.
+LEARNED_HEAT = 2.0
 
 
 @dataclass(frozen=True)
@@ -73,8 +78,8 @@ def solve(
     """Find routes by a method.
 
     "rl" takes the best of 128 rollouts and of the greedy ones of the scene's eight reflections and
-    rotations; "rl+search" starts the search from the best of those eight. Both are compared with
-    the search alone. The same seed gives the same routes.
+    rotations; "rl+search" starts the search from the first of those eight that is sound. Both are
+    compared with the search alone. The same seed gives the same routes.
 
     Raises
     ------
@@ -90,21 +95,58 @@ def solve(
     if method == RL:
         found = learned_routes(policy, problem, ("symmetry", "sample"), seed)
         return MethodResult(found, RL, classical)
-    learned = learned_routes(policy, problem, ("symmetry",), seed)
-    found = search(problem, settings, seed=seed, warm_start=learned.routes, progress=progress)
+    learned = first_sound_routes(policy, problem)
+    found = search_from(problem, settings, learned, seed=seed, progress=progress)
     return MethodResult(found, RL_SEARCH, classical)
 
 
 def learned_routes(
     policy: CompiledPolicy, problem: RoutingProblem, modes: Sequence[str], seed: int
 ) -> SearchResult:
-    """The policy's best routes in some modes of inference, judged by the exact rules."""
+    """The policy's best routes in some modes of inference that pass the exact check."""
     begun_s = time.monotonic()
     candidates = [
-        _judged(problem, plan_routes(policy, problem, mode=mode, seed=seed).routes)
+        _best_sound(problem, ranked_routes(policy, problem, mode=mode, seed=seed, most=CHECKED))
         for mode in modes
     ]
     return replace(min(candidates, key=_rank), seconds=time.monotonic() - begun_s)
+
+
+def first_sound_routes(policy: CompiledPolicy, problem: RoutingProblem) -> SearchResult:
+    """The policy's greedy routes, of the scene as it is or else of the first of its reflections and
+    rotations that passes the exact check; the closest where none does.
+    """
+    begun_s = time.monotonic()
+    found = _best_sound(problem, turned_routes(policy, problem))
+    return replace(found, seconds=time.monotonic() - begun_s)
+
+
+def search_from(
+    problem: RoutingProblem,
+    settings: SearchSettings,
+    learned: SearchResult,
+    *,
+    seed: int,
+    progress: Progress | None = None,
+) -> SearchResult:
+    """The search from the policy's routes where they are sound, else from nothing.
+
+    It starts hotter than from a plan that is to be kept: the policy's routes are some percent off.
+    """
+    if not learned.feasible:
+        return search(problem, settings, seed=seed, progress=progress)
+    warm = replace(settings, hottest=settings.hottest * LEARNED_HEAT)
+    return search(problem, warm, seed=seed, warm_start=learned.routes, progress=progress)
+
+
+def _best_sound(problem: RoutingProblem, ranked: Iterable[PolicyRoutes]) -> SearchResult:
+    """The first sound of some routes, else the closest to sound."""
+    judged = []
+    for one in ranked:
+        judged.append(_judged(problem, one.routes))
+        if judged[-1].feasible:
+            break
+    return min(judged, key=_rank)
 
 
 def _judged(problem: RoutingProblem, routes: Routes) -> SearchResult:

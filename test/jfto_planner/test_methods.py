@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import pytest
 
-from jfto_planner.methods import solve
+from jfto_planner.methods import first_sound_routes, learned_routes, search_from, solve
 from jfto_planner.policy.problem_of import problem_of
-from jfto_planner.routing import RoutingProblem, SearchSettings
+from jfto_planner.policy.weights import load_weights
+from jfto_planner.routing import RoutingProblem, SearchSettings, search
 from support.policy_cases import instances
 
 EFFORT = SearchSettings(moves=4000, starts=2)
@@ -61,3 +62,25 @@ def test_what_is_flown_is_the_better_of_both_searches() -> None:
     assert worse.best is alone
     assert "the latter kept" in worse.in_words()
     assert solved.best.length_m <= min(solved.found.length_m, alone.length_m)
+
+
+def test_the_first_sound_routes_are_sound_if_any_symmetry_is() -> None:
+    """Over several problems: as often sound as the best of the eight symmetries, or oftener."""
+    policy = load_weights()
+    batch = instances(6, 15, 4, seed=2, k_min=2)
+    problems = [problem_of(batch, row, slots=40) for row in range(6)]
+    first = [first_sound_routes(policy, problem).feasible for problem in problems]
+    best = [learned_routes(policy, problem, ("symmetry",), 0).feasible for problem in problems]
+    assert any(first)
+    assert first == best
+
+
+def test_the_search_starts_from_nothing_where_the_policy_is_unsound() -> None:
+    """Unsound routes change nothing of what the search finds; sound ones are never made longer."""
+    problem = _problem()
+    alone = search(problem, EFFORT, seed=5)
+    start = replace(alone, routes=alone.routes[::-1], feasible=False)
+    assert search_from(problem, EFFORT, start, seed=5).routes == alone.routes
+    again = search_from(problem, EFFORT, alone, seed=5)
+    assert again.feasible
+    assert again.length_m <= alone.length_m + 1e-6

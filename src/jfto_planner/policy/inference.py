@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from jfto_msgs_py.errors import InputError
 from jfto_planner.policy.compiled_policy import CompiledPolicy, Flown
-from jfto_planner.policy.problems import problems_of
+from jfto_planner.policy.problems import SYMMETRIES, problems_of
 from jfto_planner.routing.problem import RoutingProblem
 
 MODES = ("greedy", "sample", "symmetry")
@@ -45,6 +46,19 @@ def plan_routes(
     the best greedy rollout of the scene's eight reflections and rotations. Raises InputError for
     an unknown mode.
     """
+    return ranked_routes(policy, problem, mode=mode, samples=samples, seed=seed, most=1)[0]
+
+
+def ranked_routes(
+    policy: CompiledPolicy,
+    problem: RoutingProblem,
+    *,
+    mode: str,
+    samples: int = SAMPLES,
+    seed: int = 0,
+    most: int,
+) -> list[PolicyRoutes]:
+    """The `most` best rollouts of a mode as `plan_routes` takes it, no routes twice, best first."""
     problems = problems_of(problem)
     if mode == "greedy":
         flown = policy.roll_out(problems)
@@ -56,21 +70,40 @@ def plan_routes(
         flown = policy.roll_out(problems.symmetries())
     else:
         raise InputError(f"mode is {mode!r}, must be one of {', '.join(MODES)}.")
-    return _best(flown, float(problems.extent_m[0]), problem)
+    return _ranked(flown, float(problems.extent_m[0]), problem, most)
 
 
-def _best(flown: Flown, extent_m: float, problem: RoutingProblem) -> PolicyRoutes:
+def turned_routes(policy: CompiledPolicy, problem: RoutingProblem) -> Iterator[PolicyRoutes]:
+    """Greedy routes of the scene as it is, then of its other reflections and rotations, one by one.
+
+    For whoever stops at the first that will do.
+    """
+    problems = problems_of(problem)
+    for turn in range(SYMMETRIES):
+        flown = policy.roll_out(problems.turned(np.array([turn])))
+        yield from _ranked(flown, float(problems.extent_m[0]), problem, 1)
+
+
+def _ranked(
+    flown: Flown, extent_m: float, problem: RoutingProblem, most: int
+) -> list[PolicyRoutes]:
     broken = flown.misses + flown.late
-    winner = np.unravel_index(np.argmin(flown.length + PENALTY * broken), broken.shape)
     mean_speed = sum(limit.speed_mps for limit in problem.limits) / problem.uav_count
-    routes: list[list[int]] = [[] for _ in range(problem.uav_count)]
-    for choice, uav in zip(flown.choices[winner], flown.uavs[winner], strict=True):
-        if choice < problem.waypoint_count:
-            routes[uav].append(int(choice))
-    return PolicyRoutes(
-        routes=tuple(map(tuple, routes)),
-        length_m=float(flown.length[winner]) * extent_m,
-        misses=int(flown.misses[winner]),
-        late_s=float(flown.late[winner]) * extent_m / mean_speed,
-        feasible_share=float((broken <= 0).mean()),
-    )
+    best: dict[tuple[tuple[int, ...], ...], PolicyRoutes] = {}
+    for place in np.argsort(flown.length + PENALTY * broken, axis=None, kind="stable"):
+        row = np.unravel_index(place, broken.shape)
+        routes: list[list[int]] = [[] for _ in range(problem.uav_count)]
+        for choice, uav in zip(flown.choices[row], flown.uavs[row], strict=True):
+            if choice < problem.waypoint_count:
+                routes[uav].append(int(choice))
+        found = PolicyRoutes(
+            routes=tuple(map(tuple, routes)),
+            length_m=float(flown.length[row]) * extent_m,
+            misses=int(flown.misses[row]),
+            late_s=float(flown.late[row]) * extent_m / mean_speed,
+            feasible_share=float((broken <= 0).mean()),
+        )
+        best.setdefault(found.routes, found)
+        if len(best) == most:
+            break
+    return list(best.values())

@@ -22,9 +22,10 @@ class Stage:
     Every `large_every`-th step draws its waypoints from `large` instead, and so many fewer
     problems that it takes no more memory. The learning rate falls from `learning_rate` to
     `final_rate` along half a cosine. An "imitation" stage maximises the likelihood of the search's
-    routes on `shards` sets of problems, for each of which the search tries `moves` moves. The
-    `baseline` of REINFORCE is "greedy_rollout", the best model's greedy rollout, or "shared", the
-    mean of the rollouts of one problem, as in POMO.
+    routes on `shards` sets of problems, for each of which the search tries `moves` moves; a step
+    takes `lesson` problems of one set, or the whole set if that is 0. The `baseline` of REINFORCE
+    is "greedy_rollout", the best model's greedy rollout, or "shared", the mean of the rollouts of
+    one problem, as in POMO.
     """
 
     steps: int
@@ -39,6 +40,7 @@ class Stage:
     large_every: int = 0
     shards: int = 0
     moves: int = 20_000
+    lesson: int = 0
     baseline: str = "greedy_rollout"
 
     def sizes(self, number: int) -> tuple[int, int]:
@@ -52,6 +54,15 @@ class Stage:
     def problems(self, waypoints: int) -> int:
         """Problems of a step with so many waypoints."""
         return max(2, self.instances * self.waypoints[1] // max(waypoints, self.waypoints[1]))
+
+    def lesson_size(self, waypoints: int) -> int:
+        """Problems of a step of imitation with so many waypoints; large ones, whose choices and
+        options both grow, so many fewer that the step takes no more time.
+        """
+        if not self.lesson:
+            return self.instances
+        growth = max(waypoints / self.waypoints[1], 1)
+        return max(2, int(self.lesson / growth**2))
 
     def rate(self, step: int) -> float:
         """Learning rate of the stage's step of a number."""
@@ -114,6 +125,8 @@ def _check(stage: Stage, name: str) -> None:
         raise InputError(f"{name}.method is {stage.method!r}, must be one of {METHODS}.")
     if stage.method == IMITATION and stage.shards < 1:
         raise InputError(f"{name}.shards is {stage.shards}; imitation needs at least 1.")
+    if not 0 <= stage.lesson <= stage.instances:
+        raise InputError(f"{name}.lesson is {stage.lesson}, must be 0 to {stage.instances}.")
     if stage.baseline not in BASELINES:
         raise InputError(f"{name}.baseline is {stage.baseline!r}, must be one of {BASELINES}.")
     if stage.method == REINFORCE and stage.rollouts < 2 and stage.baseline == "shared":

@@ -127,16 +127,18 @@ class Trainer:
         return row | {"seconds": round(self.seconds, 2)}
 
     def _lesson(self, number: int, within: int) -> tuple[InstanceBatch, Tensor]:
-        """Problems and routes to imitate: this worker's part of a shard, each turned at random."""
+        """Problems and routes to imitate: this worker's part of a lesson, each turned at random."""
         stage = self.config.stages[number]
         random = generator_of(self.config.seed, TRAINING, self.step)
         known = ready_shards(stage, within)
         shard = self.teacher.shard(number, int(torch.randint(known, (1,), generator=random)))
-        turns = torch.randint(8, (shard.batch.size,), generator=random)
-        batch = turned(shard.batch, turns)
-        own = shard.solved.clone()
-        own[torch.arange(batch.size) % self.workers.count != self.workers.rank] = False
-        return batch.rows(own).to(self.device), shard.routes[own]
+        solved = torch.nonzero(shard.solved).squeeze(1)
+        lesson = solved[torch.randperm(len(solved), generator=random)]
+        own = lesson[: stage.lesson_size(shard.batch.waypoints.shape[1])][
+            self.workers.rank :: self.workers.count
+        ]
+        turns = torch.randint(8, (shard.batch.size,), generator=random)[own]
+        return turned(shard.batch.rows(own), turns).to(self.device), shard.routes[own]
 
     def _explore(self, stage: Stage, within: int) -> tuple[Tensor, dict[str, float]]:
         """Loss of Algorithm 1: REINFORCE with a baseline."""

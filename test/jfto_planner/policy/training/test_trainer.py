@@ -29,6 +29,7 @@ CONFIG = TrainingConfig(
             instances=4,
             method="imitation",
             shards=2,
+            lesson=3,
             moves=300,
             large=(8, 9),
             large_every=2,
@@ -124,6 +125,19 @@ def test_large_steps_take_fewer_problems() -> None:
     assert [stage.sizes(number) for number in range(3)] == [(20, 60), (20, 60), (100, 140)]
     assert stage.problems(30) == 12
     assert stage.problems(120) == 6
+
+
+def test_a_lesson_is_part_of_a_shard_and_shrinks_with_the_square_of_the_size() -> None:
+    """48 problems up to 60 waypoints, a quarter at 120; without a lesson the whole shard."""
+    stage = Stage(9, (20, 60), (3, 4), instances=128, method="imitation", shards=1, lesson=48)
+    assert [stage.lesson_size(waypoints) for waypoints in (20, 60, 120, 600)] == [48, 48, 12, 2]
+    assert replace(stage, lesson=0).lesson_size(120) == 128
+
+
+def test_a_lesson_larger_than_its_shard_is_refused() -> None:
+    """A shard of 8 problems cannot give 9."""
+    with pytest.raises(InputError, match=r"lesson is 9.*8"):
+        replace(CONFIG, stages=(replace(CONFIG.stages[0], instances=8, lesson=9),))
 
 
 def test_the_t_test_wants_evidence() -> None:
