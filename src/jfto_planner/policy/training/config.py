@@ -25,7 +25,8 @@ class Stage:
     routes on `shards` sets of problems, for each of which the search tries `moves` moves; a step
     takes `lesson` problems of one set, or the whole set if that is 0. The `baseline` of REINFORCE
     is "greedy_rollout", the best model's greedy rollout, or "shared", the mean of the rollouts of
-    one problem, as in POMO.
+    one problem, as in POMO. With `frozen_norm` batch normalisation keeps the statistics that it has
+    and uses them as in inference: a step's problems are of one size, so its own differ from them.
     """
 
     steps: int
@@ -42,6 +43,7 @@ class Stage:
     moves: int = 20_000
     lesson: int = 0
     baseline: str = "greedy_rollout"
+    frozen_norm: bool = False
 
     def sizes(self, number: int) -> tuple[int, int]:
         """Range of waypoints of the stage's step or shard of a number."""

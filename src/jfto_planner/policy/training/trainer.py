@@ -107,6 +107,7 @@ class Trainer:
         begun_s = time.monotonic()
         number, within = self.config.stage_at(self.step)
         stage = self.config.stages[number]
+        self.policy.train(not stage.frozen_norm)
         for group in self.optimiser.param_groups:
             group["lr"] = stage.rate(within)
         with torch.autocast(self.device.type, torch.bfloat16, enabled=self.config.bfloat16):
