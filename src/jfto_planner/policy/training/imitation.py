@@ -13,8 +13,8 @@ from jfto_planner.policy.replay import replay
 from jfto_planner.policy.training.config import Stage
 
 # Share of a stage's steps after which all its shards are in use; until then their number grows, so
-# that some can be made beside the training. Longer, and the first few would be learned by heart.
-GROWTH = 0.1
+# that they can be made beside the training.
+GROWTH = 0.9
 # Lateness, in units of extent over speed, that single precision alone can cause.
 ROUNDING = 1e-5
 

@@ -97,6 +97,18 @@ def test_imitation_makes_the_routes_likelier(tmp_path) -> None:
     assert sum(losses[-10:]) < 0.8 * sum(losses[:10])
 
 
+def test_a_frozen_norm_keeps_its_statistics(tmp_path) -> None:
+    """With `frozen_norm` the weights move and the running statistics do not; without, both do."""
+    for frozen in (False, True):
+        stages = tuple(replace(stage, frozen_norm=frozen) for stage in CONFIG.stages)
+        trainer = Trainer(replace(CONFIG, stages=stages), tmp_path / str(frozen))
+        norm = trainer.policy.encoder.layers[0].norm_attention.norm
+        mean, weight = norm.running_mean.clone(), norm.weight.detach().clone()
+        trainer.run()
+        assert torch.equal(norm.running_mean, mean) is frozen
+        assert not torch.equal(norm.weight, weight)
+
+
 def test_a_shard_is_solved_once(tmp_path) -> None:
     """The second time a shard comes from the disk, with sound routes for its problems."""
     first = Teacher(CONFIG, tmp_path).shard(0, 0)
