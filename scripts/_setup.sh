@@ -41,11 +41,14 @@ wanted_stamp() {
 # The numeric kernels are compiled on first use, for a minute in all, and kept beside the source.
 # Done here once, no program that runs against the clock is held up by it.
 compile_kernels() {
-    local jfto="$venv/bin/jfto" scene=test/data/scenario/tiny.yaml out=$venv/first-use
-    "$jfto" run "$scene" --until plan --out "$out" &&
-        "$jfto" plan "$scene" --set trajectory.mode=guided --out "$out/guided.json" &&
-        "$jfto" plan "$scene" --set trajectory.mode=straight --method rl+search \
-            --out "$out/straight.json" &&
+    local jfto="$venv/bin/jfto" scene=test/data/scenario/tiny.yaml out=$venv/first-use other
+    "$venv/bin/python" -m compileall -q src
+    "$jfto" run "$scene" --until plan --out "$out" || return
+    # What the first has compiled both of these use, what they compile is their own.
+    "$jfto" plan "$scene" --set trajectory.mode=guided --out "$out/guided.json" &
+    other=$!
+    "$jfto" plan "$scene" --set trajectory.mode=straight --method rl+search \
+        --out "$out/straight.json" && wait "$other" &&
         "$venv/bin/python" - <<'END'
 import numpy as np
 from jfto_msgs_py.vehicle import TimedTrajectory

@@ -35,7 +35,7 @@ class Ending:
 def endings_of(flight: RecordedFlight, plan: Plan, end_s: float) -> tuple[Ending, ...]:
     """The end of every UAV of the plan; `end_s` is when the fleet was done."""
     last_s = flight.last_s
-    said = {event.uav_id for event in flight.events if event.kind == "landed"}
+    said = {event.uav_id: event.text for event in flight.events if event.kind == "landed"}
     gaps = _return_gaps(flight, plan, end_s, last_s)
     found = []
     for index, uav in enumerate(plan.uavs):
@@ -46,7 +46,9 @@ def endings_of(flight: RecordedFlight, plan: Plan, end_s: float) -> tuple[Ending
         offset = track.position_m[-1] - np.array(uav.start_m)
         down = np.linalg.norm(offset[:2]) < _PAD_M and offset[2] < _GROUND_M
         how = AIRBORNE if last_s - track.times_s[-1] <= GAP_S else LOST
-        if uav.id in said or "" in said or down:
+        if f"{uav.id} declared lost" in said.get("", ""):
+            how = LOST
+        elif uav.id in said or "" in said or down:
             how = LANDED
         found.append(Ending(uav.id, how, float(track.times_s[-1]), gaps[index]))
     return tuple(found)

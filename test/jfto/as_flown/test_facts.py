@@ -14,7 +14,7 @@ from jfto.as_flown.record import AirLog, RecordedFlight
 from jfto.pipeline import Run
 from jfto.stages.survey import Survey
 from jfto_msgs_py.network import Adjacency, SlotHorizon
-from jfto_msgs_py.ros.events import ERROR, Event
+from jfto_msgs_py.ros.events import ERROR, WARN, Event
 from support.fleets import START_NS
 from support.flights import Flaws, recorded
 
@@ -68,6 +68,14 @@ def test_the_certificate_agrees_with_the_plans(desk: Desk, as_planned: FlightFac
     assert flown.worst_margin_uav == planned.worst_margin_uav
     assert flown.least_separation_m == pytest.approx(planned.worst_separation_m, abs=0.05)
     assert (flown.slot_checks, flown.slot_violations) == (44, 0)
+
+
+def test_a_uav_that_is_declared_lost_has_not_landed(desk: Desk) -> None:
+    """The fleet's last word names how each flight ended, also that of a UAV nobody hears of."""
+    ends = "The flight is over: uav2 landed on its pad; uav1 declared lost, last heard at 46.6 8.5."
+    event = Event(START_NS + 10**11, WARN, "mavlink_bridge", "landed", "", ends)
+    facts = desk.facts(desk.flight(Flaws(gone_s={"uav1": 10.0}), [event]))
+    assert [one.how for one in facts.endings] == ["lost", "landed", "landed", "landed"]
 
 
 def test_energy_is_the_sum_of_powers_in_force(desk: Desk, as_planned: FlightFacts) -> None:
