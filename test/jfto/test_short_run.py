@@ -60,7 +60,7 @@ def test_the_run_ends_well_with_everything_in_its_directory(flown) -> None:
 
 
 def test_what_was_flown_keeps_the_plan(flown) -> None:
-    """All waypoints, slots as good as all clean, no energy overdrawn, 95 % of the throughput."""
+    """All waypoints, clean slots, no energy overdrawn, 95 % of the throughput, everybody's end."""
     directory, _ = flown
     flight = json.loads((directory / "flight.json").read_text())
     assert flight["waypoints"]["visited"] == flight["waypoints"]["count"] == 6
@@ -68,6 +68,9 @@ def test_what_was_flown_keeps_the_plan(flown) -> None:
     assert all(one["used_j"] <= one["budget_j"] for one in flight["energy"])
     assert flight["network"]["throughput_mbps"]["ratio"] >= 0.95
     assert {one["how"] for one in flight["endings"]} == {"landed"}
+    last = [one["text"] for one in flight["events"] if one["kind"] == "landed" and not one["uav"]]
+    assert len(last) == 1
+    assert last[0].startswith("The flight is over: uav1 landed on its pad;")
 
 
 def test_the_bag_replays_to_the_same_topology_and_powers(flown) -> None:

@@ -55,6 +55,8 @@ class Client:
         self.heard = Heard(tuple(uav.id for uav in plan.uavs))
         self._node, self._executor, self._keeper = node, executor, keeper
         self._answered = answered
+        # Whether the bridge has told how the flights of all ended.
+        self.fleet_ended = False
         self._orders: dict[str, Any] = {}
         # Poses come by the hundred: only the last of each is decoded, when somebody looks.
         self._poses: dict[str, bytes] = {}
@@ -139,7 +141,12 @@ class Client:
         self._kept(lambda: self.heard.take(decode_diagnostics(message)))
 
     def _on_event(self, message: Any) -> None:
-        self._kept(lambda: self._keeper.take_event(decode_event(message)))
+        def take() -> None:
+            event = decode_event(message)
+            self.fleet_ended |= event.kind == "landed" and not event.uav_id
+            self._keeper.take_event(event)
+
+        self._kept(take)
 
     def _on_lift_off(self, message: Any) -> None:
         self._kept(lambda: self._keeper.take_lift_off(decode_time(message, "lift_off")))

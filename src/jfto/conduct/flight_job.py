@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 _LOOK_S = 0.2
 _SHOW_EVERY_S = 0.5
+_LAST_WORD_S = 3.0
 # Without one of these there is no flight; the rest is started again for as long as it lasts.
 ESSENTIAL = ("mavlink_bridge", "simulated_fleet")
 # A recorder that is made to end leaves a bag without an index: on a busy computer it takes a while.
@@ -177,9 +178,18 @@ class _Loop:
             conductor.step(seen)
             self._act()
             self._look(seen)
+        if conductor.outcome.flown:
+            self._hear_the_last_word()
         level = INFO if conductor.outcome.good else WARN
         self._client.publish_event(level, "order", conductor.outcome.text)
         return FlightEnd(conductor.outcome, seen, self._speedup(), tuple(self._deaths))
+
+    def _hear_the_last_word(self) -> None:
+        """How each flight ended, which the bridge tells a moment after all were seen down."""
+        end_s = time.monotonic() + _LAST_WORD_S
+        while not self._client.fleet_ended and time.monotonic() < end_s:
+            self._client.spin(_LOOK_S)
+        self._operator.show(self._keeper.state(self._client.now_ns, self._conductor.stage.value))
 
     def _mourn(self) -> None:
         """Take in which processes have died."""
