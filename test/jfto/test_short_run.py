@@ -60,10 +60,11 @@ def test_the_run_ends_well_with_everything_in_its_directory(flown) -> None:
 
 
 def test_what_was_flown_keeps_the_plan(flown) -> None:
-    """All waypoints, clean slots, no energy overdrawn, 95 % of the throughput, everybody's end."""
+    """All waypoints on time, clean slots, no energy overdrawn, throughput, everybody's end."""
     directory, _ = flown
     flight = json.loads((directory / "flight.json").read_text())
     assert flight["waypoints"]["visited"] == flight["waypoints"]["count"] == 6
+    assert abs(flight["waypoints"]["worst_late_s"]) <= 0.5
     assert flight["certificate"]["clean_share"] >= 0.99
     assert all(one["used_j"] <= one["budget_j"] for one in flight["energy"])
     assert flight["network"]["throughput_mbps"]["ratio"] >= 0.95
