@@ -79,11 +79,15 @@ def test_the_bag_replays_to_the_same_topology_and_powers(flown) -> None:
 
     Where slots begin depends on the order in which poses and the clock came: 30 ms are a quarter
     of a metre, which a link of 10 m feels by 0.2 dB. A pose that a busy computer held up in flight
-    may have left its UAV out of a slot: one slot in ten may differ.
+    may have left its UAV out of a slot: one slot in ten may differ, and four for each time that the
+    topology said so.
     """
     bag = flown[0] / "bag"
+    events = json.loads((flown[0] / "flight.json").read_text())["events"]
+    held_up = sum(one["kind"] == "stale" and one["level"] >= 30 for one in events)
     replay = replay_bag(Bag(bag), ["topology", "power"], bag / "parameters.yaml", 0.25)
     by_topic = {each.topic: each for each in replay.comparisons}
     for topic in (topics.ADJACENCY, topics.POWER_INTERVAL, topics.POWER_SCHEDULE):
         assert by_topic[topic].compared >= 12
-        assert len(by_topic[topic].problems) <= 0.1 * by_topic[topic].compared
+        allowed = 0.1 * by_topic[topic].compared + 4 * held_up
+        assert len(by_topic[topic].problems) <= allowed, by_topic[topic].problems
