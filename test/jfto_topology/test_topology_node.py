@@ -172,6 +172,7 @@ def test_malformed_messages_are_counted_and_nothing_stops(graph) -> None:
         if wanted <= fleet.facts("topology_node: uav1").keys():
             break
     graph.until(lambda: wanted <= fleet.facts("topology_node: uav1").keys())
+    assert len(counts) == 3
 
 
 def test_an_inactive_node_is_silent(graph) -> None:

@@ -16,6 +16,7 @@ from jfto.cli.options import debug_option, load, out_option, scenario_argument, 
 
 if TYPE_CHECKING:
     from jfto.scenario_file import LoadedScenario
+    from jfto.supervision.graph import GraphOptions
     from jfto.supervision.vehicles import Vehicles
 
 EXIT_UNCLEAN = 1
@@ -91,9 +92,33 @@ def command(
     """
     loaded = load(scenario, overrides)
 
-    from jfto.run_directory import PLAN_NAME, SCENARIO_NAME, write_scenario
-    from jfto.supervision.graph import EXIT_STATUSES, GraphOptions, graph_commands
+    from jfto.supervision.graph import EXIT_STATUSES, graph_commands
     from jfto.supervision.supervisor import LOGS, Supervisor
+
+    options = _graph(loaded, out, plan_file, choices)
+    directory = options.directory
+    click.echo(f"Logs          {directory / LOGS}   (Ctrl-C stops all)")
+    supervisor = Supervisor(graph_commands(options), directory, _tell)
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda *_: supervisor.stop())
+    timer = threading.Timer(duration or 0.0, supervisor.stop)
+    timer.daemon = True
+    if duration is not None:
+        timer.start()
+    outcome = supervisor.run()
+    for name, how in outcome.failed.items():
+        log = directory / LOGS / f"{name}.log"
+        click.echo(f"✗ {name} {how}. Its last words:\n{_last_lines(log)}", err=True)
+        return EXIT_STATUSES[name]
+    return EXIT_UNCLEAN if outcome.unclean else 0
+
+
+def _graph(
+    loaded: LoadedScenario, out: Path | None, plan_file: Path | None, choices: Mapping[str, Any]
+) -> GraphOptions:
+    """What is to run, in a directory that has its scenario and the plan, where one is given."""
+    from jfto.run_directory import PLAN_NAME, SCENARIO_NAME, write_scenario
+    from jfto.supervision.graph import GraphOptions
     from jfto.supervision.vehicles import Vehicles
     from jfto_msgs_py.plan_file import read_plan, write_plan
 
@@ -112,33 +137,17 @@ def command(
     who = vehicles or Vehicles(simulated=False, given={})
     for name, values in who.merged(loaded.node_options).items():
         parameters.setdefault(name, {}).update(values)
-    nodes = graph_commands(
-        GraphOptions(
-            directory / SCENARIO_NAME,
-            directory,
-            directory / PLAN_NAME,
-            play_poses=choices["poses"] == "plan",
-            bridge=vehicles is not None,
-            simulate=who.simulated,
-            record=choices["record"],
-            use_sim_time=choices["use_sim_time"],
-            parameters=parameters,
-        )
+    return GraphOptions(
+        directory / SCENARIO_NAME,
+        directory,
+        directory / PLAN_NAME,
+        play_poses=choices["poses"] == "plan",
+        bridge=vehicles is not None,
+        simulate=who.simulated,
+        record=choices["record"],
+        use_sim_time=choices["use_sim_time"],
+        parameters=parameters,
     )
-    click.echo(f"Logs          {directory / LOGS}   (Ctrl-C stops all)")
-    supervisor = Supervisor(nodes, directory, _tell)
-    for number in (signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, lambda *_: supervisor.stop())
-    timer = threading.Timer(duration or 0.0, supervisor.stop)
-    timer.daemon = True
-    if duration is not None:
-        timer.start()
-    outcome = supervisor.run()
-    for name, how in outcome.failed.items():
-        log = directory / LOGS / f"{name}.log"
-        click.echo(f"✗ {name} {how}. Its last words:\n{_last_lines(log)}", err=True)
-        return EXIT_STATUSES[name]
-    return EXIT_UNCLEAN if outcome.unclean else 0
 
 
 def _vehicles(loaded: LoadedScenario, choices: Mapping[str, Any]) -> Vehicles | None:
