@@ -18,7 +18,7 @@ Progress = Callable[[float, str], None]
 # check sees fewer instants.
 CHECKED = 16
 # Temperature at which the search takes up the policy's routes, over that of other warm starts.
-LEARNED_HEAT = 2.0
+LEARNED_HEAT = 3.0
 
 
 @dataclass(frozen=True)
