@@ -132,7 +132,7 @@ def draw_curve(rows: list[dict[str, str]], levels: dict[str, float], warm: int, 
 def print_progress(rows: list[dict[str, str]], search: float) -> None:
     """What training time buys: gap over the search and share of sound plans, in a dozen rows."""
     print("minutes  step  gap over the search  plans that break a rule")
-    for row in rows[:: max(1, len(rows) // PROGRESS_ROWS)]:
+    for row in rows[:: -max(1, len(rows) // PROGRESS_ROWS)][::-1]:
         gap = 100 * (float(row["held_out"]) / search - 1)
         broken = 100 - 100 * float(row["held_out_feasible"])
         minutes, step = float(row["seconds"]) / 60, int(row["step"]) + 1
