@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from jfto_msgs_py.types import Array, Flags
 
 OURS = "C-TOP"
 ALGORITHMS = ("MTP", "A-LMST", "CPAPO", OURS)

@@ -6,16 +6,14 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InfeasibleError
 from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.types import Array
 from jfto_world.motion import MotionLimits
 
 if TYPE_CHECKING:
     from jfto_world.motion.arducopter import ArduCopter
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

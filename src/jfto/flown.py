@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 
 from jfto_msgs_py.plan import Plan, Uav
+from jfto_msgs_py.types import Array
 from jfto_planner.smoothing import Trajectory
 from jfto_world.motion import MotionLimits, time_model_named
-
-Array = NDArray[np.float64]
 
 STEP_S = 0.05
 # A vehicle's positions are differentiated over this window, as its own filters would smooth them.

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import MessageError
-
-Array = NDArray[np.float64]
+from jfto_msgs_py.types import Array
 
 LEAST_SLOT_S = 1e-6
 # Times are nanoseconds in 64 bits; builtin_interfaces/Time ends in 2038 anyway.

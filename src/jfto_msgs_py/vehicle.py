@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import MessageError
-
-Array = NDArray[np.float64]
+from jfto_msgs_py.types import Array
 
 # No local frame reaches further: a quarter of the way around the Earth.
 FARTHEST_M = 1e7

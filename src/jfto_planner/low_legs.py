@@ -7,7 +7,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from jfto_msgs_py.types import Array
+
 GroundHeight = Callable[[Array, Array], Array]
 
 SPACING_M = 2.5

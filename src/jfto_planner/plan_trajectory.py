@@ -6,11 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.types import Array
 from jfto_msgs_py.vehicle import TimedPath, TimedTrajectory
 from jfto_planner.smoothing.trajectory import Trajectory
 from jfto_world.motion import ConstantSpeed, MotionLimits, time_model_named
-
-Array = NDArray[np.float64]
 
 # Between waypoints, where a UAV does not fly straight at constant speed.
 SAMPLE_S = 0.5

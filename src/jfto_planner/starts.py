@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse.csgraph import connected_components
 
 from jfto_msgs_py.errors import InfeasibleError, InputError
+from jfto_msgs_py.types import Array
 from jfto_world.radio import degrees, pairwise_distances
 
-Array = NDArray[np.float64]
 GroundHeight = Callable[[Array, Array], Array]
 
 # Pads are laid out a little further apart than asked, and starts chosen a little closer than the

@@ -5,16 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.types import Array, Flags
 from jfto_power.shortage import affordable_slots, check_energy
 from jfto_power.water_level import fill_rows
 from jfto_world.radio import noise_w
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

@@ -11,12 +11,10 @@ from jfto_msgs_py.clock_watch import SET_BACK_NS
 from jfto_msgs_py.errors import MessageError
 from jfto_msgs_py.network import Adjacency, PowerIntervals, PowerSchedule
 from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.types import Array
 from jfto_power.allocation import allocate
 from jfto_power.shortage import EnergyShortage, affordable_slots, check_energy
 from jfto_world.radio import Channel, pairwise_distances
-
-Array = NDArray[np.float64]
-
 
 _FOREVER_S = 1e6
 

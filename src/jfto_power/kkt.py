@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.types import Array
 from jfto_world.radio import noise_w
-
-Array = NDArray[np.float64]
 
 
 def objective_bps(adjacency: NDArray[np.bool_], gain: Array, power_w: Array, radio: Radio) -> float:

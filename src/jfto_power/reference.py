@@ -11,10 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from jfto_msgs_py.errors import JftoError
 from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.types import Array
 from jfto_power.shortage import ROUNDING, check_energy
 from jfto_world.radio import noise_w
-
-Array = NDArray[np.float64]
 
 SETTINGS = {
     "tol_gap_rel": 1e-8,

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InfeasibleError
-
-Array = NDArray[np.float64]
+from jfto_msgs_py.types import Array
 
 # A floor that equals the budget on paper may exceed it in the last bits.
 ROUNDING = 1e-12

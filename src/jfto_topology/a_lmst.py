@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.types import Array
 from jfto_topology.lmst import lmst_links
 from jfto_topology.powered import PoweredTopology, played_out
 from jfto_topology.required_power import checked_caps, required_powers
 from jfto_world.radio import Channel, pairwise_distances
-
-Array = NDArray[np.float64]
 
 
 def a_lmst(

@@ -8,9 +8,8 @@ from dataclasses import fields
 import numpy as np
 from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array
 from jfto_topology.ctop import Topology
-
-Array = NDArray[np.float64]
 
 
 def affordable(

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Flags
 from jfto_world.compiled import kernel
-
-Flags = NDArray[np.bool_]
 
 
 @kernel

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from jfto_msgs_py.types import Array, Flags
 from jfto_topology.backbone import backbones
 from jfto_topology.powered import PoweredTopology, played_out
 from jfto_topology.required_power import required_powers
 from jfto_world.compiled import kernel
 from jfto_world.radio import Channel
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 
 def cpapo(

@@ -8,15 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.types import Array, Flags
 from jfto_topology.intervals import power_intervals
 from jfto_topology.neighbour_levels import neighbour_levels
 from jfto_topology.required_power import checked_caps, required_powers, required_powers_of_gain
 from jfto_topology.rings import ring_powers
 from jfto_topology.trimming import trimmed_lists
 from jfto_world.radio import Channel
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from jfto_msgs_py.types import Array
 from jfto_topology.ctop import check_degree_rule
 from jfto_topology.intervals import power_intervals
 from jfto_topology.neighbour_levels import neighbour_levels
@@ -12,8 +10,6 @@ from jfto_topology.required_power import checked_caps, required_powers
 from jfto_topology.rings import ring_powers
 from jfto_topology.trimming import trimmed_lists
 from jfto_world.radio import Channel
-
-Array = NDArray[np.float64]
 
 
 def energy_floor(

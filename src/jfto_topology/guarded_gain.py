@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array
 from jfto_msgs_py.units import db_to_ratio
-
-Array = NDArray[np.float64]
 
 # Keeps a link that takes all a radio has from being lost by rounding.
 _ROUNDING = 1e-9

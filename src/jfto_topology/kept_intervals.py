@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array, Flags
 from jfto_topology.intervals import power_intervals
 from jfto_topology.required_power import checked_caps, required_powers
 from jfto_topology.rings import ring_powers
 from jfto_world.radio import Channel
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 
 def kept_intervals(

@@ -7,15 +7,13 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array
 from jfto_msgs_py.units import db_to_ratio
 from jfto_topology.affordable import affordable
 from jfto_topology.ctop import Topology, ctop, ctop_of_gain
 from jfto_topology.guarded_gain import guarded_gain
 from jfto_world.radio import Channel, pairwise_distances
-
-Array = NDArray[np.float64]
 
 # Standard deviations of measured losses that a margin takes in.
 SPREADS = 2.0

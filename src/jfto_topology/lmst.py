@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array, Flags
 from jfto_world.compiled import kernel
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 
 @kernel

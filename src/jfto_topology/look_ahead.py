@@ -5,14 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array, Flags
 from jfto_msgs_py.units import ratio_to_db
 from jfto_topology.metrics.connectivity import components
 from jfto_world.radio import Channel, pairwise_distances
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

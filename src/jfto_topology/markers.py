@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from jfto_msgs_py.ros.stamps import encode_time
 from jfto_msgs_py.ros.topics import MAP_FRAME
+from jfto_msgs_py.types import Array
 
-Array = NDArray[np.float64]
 Color = tuple[float, float, float]
 
 # Margin below which a link looks so (dB), its colour and width (m): told apart without colour too.

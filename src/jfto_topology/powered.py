@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from jfto_msgs_py.errors import InputError
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from jfto_msgs_py.types import Array, Flags
 
 # A budget that fits on paper may miss by the last bits.
 ROUNDING = 1e-12

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.types import Array
 from jfto_world.compiled import kernel
 from jfto_world.radio import Channel
-
-Array = NDArray[np.float64]
 
 # Someone else's distance may differ from ours in the last bits; a link asked for is still a link.
 RECEPTION_MARGIN = 1e-12

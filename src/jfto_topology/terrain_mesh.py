@@ -6,15 +6,14 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.ros.stamps import encode_time
 from jfto_msgs_py.ros.topics import MAP_FRAME
+from jfto_msgs_py.types import Array
 
 if TYPE_CHECKING:
     from jfto_world.terrain import Dem
 
-Array = NDArray[np.float64]
 
 # Cells are made larger where there would be more than this many: 100 bytes each on the network.
 CELLS_MAX = 10_000

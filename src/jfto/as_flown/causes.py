@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto.as_flown.certificate import FlownException
 from jfto.as_flown.grid import FINER, FlownGrid
@@ -15,8 +14,6 @@ from jfto.as_flown.planned import PlannedFlight
 from jfto.as_flown.record import RecordedFlight
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.ros.events import WARN
-
-Array = NDArray[np.float64]
 
 # An event explains what happens in so many seconds after it, and shortly before it is noticed.
 _BEFORE_S, _AFTER_S = 30.0, 5.0

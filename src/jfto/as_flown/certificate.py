@@ -5,15 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto.as_flown.grid import FINER, FlownGrid
 from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.types import Array, Flags
 from jfto_planner.routing.certificate import plan_instants
 from jfto_planner.routing.certificate_instants import Instants
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 # Near its pad a UAV takes off and lands.
 PAD_M = 15.0

@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto.as_flown.record import RecordedFlight
 from jfto.comparison import AlgorithmResult
 from jfto_msgs_py.plan import Plan
-
-Array = NDArray[np.float64]
+from jfto_msgs_py.types import Array
 
 MEASURED = "measured by the simulated air"
 COMPUTED = "computed from the powers in force"

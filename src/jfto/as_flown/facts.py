@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto.as_flown.causes import Explainer
 from jfto.as_flown.certificate import FlownCertificate, FlownException, flown_certificate
@@ -18,9 +17,8 @@ from jfto.as_flown.planned import PlannedFlight, planned_flight
 from jfto.as_flown.record import RecordedFlight
 from jfto.comparison import AlgorithmResult
 from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.types import Array
 from jfto_world.terrain import Dem
-
-Array = NDArray[np.float64]
 
 # A flight with this share of clean slots is called good; every other slot is explained.
 CLEAN_SHARE = 0.99

@@ -10,9 +10,7 @@ from numpy.typing import NDArray
 from jfto.as_flown.record import RecordedFlight, Track
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.plan import Plan
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from jfto_msgs_py.types import Array, Flags
 
 FINER = 10
 # Poses come several times a second; between two that are further apart a UAV was not seen.

@@ -11,13 +11,11 @@ from jfto.as_flown.grid import FlownGrid
 from jfto.as_flown.record import RecordedFlight
 from jfto.comparison import AlgorithmResult
 from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.types import Array, Flags
 from jfto_msgs_py.units import dbm_to_w
 from jfto_topology.metrics import average_hops, connectivity_rate, slot_throughput
 from jfto_topology.metrics.hops import hop_counts
 from jfto_world.radio import degrees, make_channel, mutual_links, pairwise_distances
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 MEASURED = "measured by the simulated air"
 COMPUTED = "computed by the plan's radio model from measured positions and powers in force"

@@ -6,13 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto.as_flown.record import RecordedFlight, Track
 from jfto.flown import flown
 from jfto_msgs_py.plan import Plan
-
-Array = NDArray[np.float64]
+from jfto_msgs_py.types import Array
 
 # A waypoint passed at this distance or less counts as visited.
 VISITED_M = 2.0

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from jfto_msgs_py.network import Adjacency, PowerSchedule
 from jfto_msgs_py.ros.events import Event
-
-Array = NDArray[np.float64]
+from jfto_msgs_py.types import Array
 
 READ_BACK, SETPOINT, UNKNOWN = "read back from the radio", "setpoint", "not recorded"
 

@@ -6,15 +6,14 @@ from collections.abc import Callable
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from jfto.figures.style import PAGE_WIDTH_IN, new_figure, styled
 from jfto.flown import Flown, flown
 from jfto.palette import uav_colour
 from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.types import Array
 from jfto_world.terrain import Dem
 
-Array = NDArray[np.float64]
 _ROW_IN = 0.78
 # Share of all values that an axis shows, and when a take-off's jolts are over.
 _SHOWN, _RISEN_S = 0.998, 10.0

@@ -17,8 +17,8 @@ from jfto.figures.style import (
     new_figure,
     styled,
 )
+from jfto_msgs_py.types import Array
 
-Array = NDArray[np.float64]
 # More to spare than this is as good as any.
 _MOST_DB, _MOST_GAPS = 20.0, 6.0
 

@@ -7,11 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.patches import Rectangle
 from matplotlib.transforms import ScaledTranslation, Transform
-from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array
 from jfto_world.terrain import Dem
-
-Array = NDArray[np.float64]
 
 # Pale and almost without hue, so that routes stay the only saturated thing on the map.
 _PALE = LinearSegmentedColormap.from_list("relief", ["#cfdcc6", "#e9e3cf", "#f1e9dc", "#e4dcd4"])

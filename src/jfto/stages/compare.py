@@ -9,13 +9,11 @@ from jfto.comparison import ALGORITHMS, OURS, AlgorithmResult, Comparison, LinkM
 from jfto.progress import Watcher
 from jfto.stages.network import Network, network_of
 from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.types import Array, Flags
 from jfto_power import Allocation, EnergyShortage, allocate, allocate_prefix
 from jfto_topology import PoweredTopology, Topology, a_lmst, cpapo, ctop, mtp
 from jfto_topology.metrics import average_hops, connectivity_rate, energy_used, slot_throughput
 from jfto_world.radio import degrees
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 
 def compare(plan: Plan, n_dc: int, watcher: Watcher) -> Comparison:

@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto.stages.speeds import photo_cap_mps
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.plan_file import rounded_record
 from jfto_msgs_py.scenario import Scenario
+from jfto_msgs_py.types import Array
 from jfto_planner.routing import Estimated, RoutingProblem
 from jfto_planner.routing.assess import Routes, is_connected, route_points
 from jfto_planner.smoothing import (
@@ -27,8 +27,6 @@ from jfto_planner.smoothing import (
 from jfto_planner.smoothing.terrain import GroundHeight
 from jfto_world.motion import TimeModel, time_model_named
 from jfto_world.radio import degrees, pairwise_distances
-
-Array = NDArray[np.float64]
 
 # What a rule that was broken is tightened by before the next search, beyond what was missing.
 SPARE_S, SPARE_M = 1.0, 1.0

@@ -7,15 +7,14 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.types import Array
 from jfto_msgs_py.units import dbm_to_w
 from jfto_topology import energy_floor
 from jfto_world.radio import LogDistanceChannel, make_channel, pairwise_distances
 
-Array = NDArray[np.float64]
 EnergyFloor = Callable[[Array, float], Array]
 
 

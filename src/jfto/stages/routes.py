@@ -19,6 +19,7 @@ from jfto_msgs_py.errors import InputError, PlanError
 from jfto_msgs_py.plan import Plan, Uav, Vector
 from jfto_msgs_py.plan_file import read_plan, rounded, rounded_record, rounded_waypoint
 from jfto_msgs_py.scenario import Scenario
+from jfto_msgs_py.types import Array
 from jfto_msgs_py.units import dbm_to_w
 from jfto_planner.low_legs import low_legs
 from jfto_planner.methods import SEARCH, solve
@@ -36,8 +37,6 @@ from jfto_planner.routing.certificate_ground import GroundRule
 from jfto_planner.starts import check_starts, choose_starts, place_pads
 from jfto_world.motion import MotionLimits
 from jfto_world.radio import make_channel
-
-Array = NDArray[np.float64]
 
 # A plan that breaks a rule once it is timed as flown goes back to the search, so many times in all;
 # a later search starts from the routes it has, and tries so much fewer moves.

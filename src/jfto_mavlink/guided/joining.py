@@ -6,11 +6,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_mavlink.guided.reference import Reference
-
-Array = NDArray[np.float64]
+from jfto_msgs_py.types import Array
 
 # What joining may add to the trajectory's own speed and acceleration.
 JOIN_MPS = 2.0

@@ -5,13 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from jfto_mavlink.flight.place import Place
+from jfto_msgs_py.types import Array
 from jfto_world.terrain.frame import LocalFrame
-
-Array = NDArray[np.float64]
 
 # The autopilot's own approximation: metres per degree of latitude, everywhere on Earth.
 METRES_PER_DEGREE = 0.011131884502145034 * 1e7

@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_mavlink.guided.joining import Joining
 from jfto_mavlink.guided.reference import Reference, reference
+from jfto_msgs_py.types import Array
 from jfto_msgs_py.vehicle import TimedTrajectory
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -9,11 +9,10 @@ from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_mavlink.errors import MissionError
+from jfto_msgs_py.types import Array
 
-Array = NDArray[np.float64]
 # Ground height (ENU metres) at east and north positions, both of shape (K,).
 Ground = Callable[[Array, Array], Array]
 

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array
 from jfto_planner.coverage.settings import CoverageSettings
 from jfto_world.terrain import Dem
-
-Array = NDArray[np.float64]
 
 # What is tried, in this order, when the place on the normal will not do: first turning the line of
 # sight towards the vertical at the same distance (shares of the angle between), then going away.

@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.plan import Waypoint
+from jfto_msgs_py.types import Array
 from jfto_planner.coverage.camera import Camera
 from jfto_world.terrain import Dem
-
-Array = NDArray[np.float64]
 
 _SAMPLES_PER_SIDE = 300
 # Beyond this angle between line of sight and the ground's normal a picture shows no detail.

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 
+from jfto_msgs_py.types import Array
 from jfto_planner.coverage.certificate import CoverageCertificate
-
-Array = NDArray[np.float64]
 
 
 def gap_centres(

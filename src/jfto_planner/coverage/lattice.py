@@ -5,12 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InfeasibleError
+from jfto_msgs_py.types import Array
 from jfto_world.terrain import CubicSurface
-
-Array = NDArray[np.float64]
 
 _SAMPLES_PER_SPACING = 12
 

@@ -7,10 +7,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InfeasibleError
 from jfto_msgs_py.plan import Vector, Waypoint
+from jfto_msgs_py.types import Array
 from jfto_planner.coverage.aim import aim
 from jfto_planner.coverage.camera import Camera
 from jfto_planner.coverage.certificate import CoverageCertificate, certify_coverage
@@ -19,8 +19,6 @@ from jfto_planner.coverage.lattice import surface_lattice
 from jfto_planner.coverage.settings import CoverageSettings
 from jfto_planner.coverage.smooth_surface import smooth_surface
 from jfto_world.terrain import CubicSurface, Dem
-
-Array = NDArray[np.float64]
 
 # A photo from further away than this multiple of the wished distance does not count as coverage.
 _GSD_SLACK = 2.0

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Flags
 from jfto_planner.routing.problem import Array, RoutingProblem
 from jfto_world.radio import degrees, pairwise_distances
 
-Flags = NDArray[np.bool_]
 Routes = tuple[tuple[int, ...], ...]
 
 # Separation and neighbours are also looked at between the slots' instants.

@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.plan import Origin, Plan, Route, Slots, Uav, Waypoint
 from jfto_msgs_py.plan_file import rounded_record
 from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.types import Array
 from jfto_planner.smoothing.trajectory import Trajectory
 from jfto_world.motion import MotionLimits, TimeModel, time_model_named
 
-Array = NDArray[np.float64]
 # Arrivals at pad and waypoints, and positions at given times.
 _Flight = tuple[Array, Callable[[Array], Array]]
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from jfto_msgs_py.certificate import Certificate, Violation
 from jfto_msgs_py.errors import PlanError
 from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.types import Array
 from jfto_msgs_py.units import dbm_to_w, ratio_to_db
 from jfto_planner.routing.certificate_between import check_between
 from jfto_planner.routing.certificate_ground import GroundRule, check_ground
@@ -22,7 +23,6 @@ from jfto_planner.routing.certificate_instants import Instants, instants_of
 from jfto_planner.routing.certificate_routes import Flown, check_routes, fly
 from jfto_world.radio import make_channel
 
-Array = NDArray[np.float64]
 EnergyFloor = Callable[[Array, float], Array]
 
 FINER = 10

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.certificate import Violation
 from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.types import Array
 from jfto_planner.routing.certificate_routes import TOLERANCE_M, fly
-
-Array = NDArray[np.float64]
 
 # Chords this short leave an arc by less than a millimetre at 10 m/s².
 CHORD_S = 0.02

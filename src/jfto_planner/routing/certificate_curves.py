@@ -11,13 +11,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.certificate import Violation
 from jfto_msgs_py.errors import PlanError
 from jfto_msgs_py.plan import Plan, Uav
-
-Array = NDArray[np.float64]
+from jfto_msgs_py.types import Array
 
 GRAVITY_MPS2 = 9.80665
 SAMPLES = 40

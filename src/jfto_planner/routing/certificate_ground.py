@@ -6,13 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.certificate import Violation
 from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.types import Array
 from jfto_planner.routing.certificate_routes import fly
-
-Array = NDArray[np.float64]
 
 SPACING_M = 1.0
 # Bilinear ground between samples, and positions rounded in a plan file.

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array
 from jfto_world.radio import degrees, pairwise_distances
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Margin = Callable[[Array, Indices, Indices], Array]
 

@@ -6,15 +6,13 @@ from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.certificate import Violation
 from jfto_msgs_py.errors import PlanError
 from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.types import Array
 from jfto_planner.routing.certificate_curves import check_curves, curves_of
 from jfto_world.motion import MotionLimits, time_model_named
-
-Array = NDArray[np.float64]
 
 # Plan files round to micrometres and microseconds, and sums of them differ by more.
 TOLERANCE_M = 1e-3

@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array
 from jfto_world.motion import MotionLimits, TimeModel
-
-Array = NDArray[np.float64]
 
 # Fewer flights, or more alike in speed, do not tell how the factor depends on it.
 LEAST_UAVS, LEAST_SPREAD_MPS = 4, 0.5

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.types import Array
 from jfto_world.motion import MotionLimits, TimeModel
 
-Array = NDArray[np.float64]
 EnergyFloor = Callable[[Array, float], Array]
 
 # Sets of UAVs are the bits of one machine word.

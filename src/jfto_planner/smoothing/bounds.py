@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array
 from jfto_planner.smoothing.limits import CurveLimits
-
-Array = NDArray[np.float64]
 
 
 def rest_to_rest_s(length_m: float, speed_mps: float, accel_mps2: float, jerk_mps3: float) -> float:

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array
 from jfto_planner.smoothing.kernels import ACCEL, JERK
 from jfto_planner.smoothing.route_solver import RouteSolver
 from jfto_planner.smoothing.spline_solver import shortest_durations
-
-Array = NDArray[np.float64]
 
 _TIGHT = 0.6  # share of a leg that knots take up from which it counts as short
 

@@ -6,16 +6,14 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InfeasibleError
+from jfto_msgs_py.types import Array
 from jfto_planner.smoothing.limits import CurveLimits
 from jfto_planner.smoothing.separation import NeighbourCheck, separate
 from jfto_planner.smoothing.smooth import RouteRequest, SmoothingSettings, smooth_route
 from jfto_planner.smoothing.terrain import Clearance, GroundHeight, smooth_above
 from jfto_planner.smoothing.trajectory import Trajectory
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -5,12 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array
 from jfto_planner.smoothing.limits import GRAVITY_MPS2, CurveLimits
 from jfto_planner.smoothing.trajectory import Trajectory
-
-Array = NDArray[np.float64]
 
 
 def limit_ratios(

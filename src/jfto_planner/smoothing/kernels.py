@@ -10,12 +10,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array, Flags
 from jfto_world.compiled import kernel
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 # columns of a limits row
 SPEED, CLIMB, DESCENT, ACCEL, ACCEL_Z, JERK, TILT_TAN, DRAG = 0, 1, 2, 3, 4, 5, 6, 7

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InfeasibleError
+from jfto_msgs_py.types import Array, Flags
 from jfto_planner.smoothing.kernels import ACCEL, JERK, joint_time, leg_limit, solve_joint
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 _COARSE, _MIDDLE, _FINE = 14, 60, 256  # samples per segment: search, repair, final
 _SLOWER, _FASTER = 0.8, 1.25

@@ -6,12 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InfeasibleError, InputError
+from jfto_msgs_py.types import Array
 from jfto_planner.smoothing.trajectory import Trajectory
 
-Array = NDArray[np.float64]
 NeighbourCheck = Callable[[Array], bool]
 
 

@@ -15,13 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.types import Array
 from jfto_planner.smoothing.chain import Chain, chain_of, shorten
 from jfto_planner.smoothing.kernels import control_points
 from jfto_planner.smoothing.limits import CurveLimits
 from jfto_planner.smoothing.route_solver import RouteSolver
 from jfto_planner.smoothing.trajectory import Trajectory
-
-Array = NDArray[np.float64]
 
 _NARROW = 0.4  # share of the corridor tried too where legs are short: the search is local
 _MARGIN = 4e-4  # of each limit, against what happens between samples

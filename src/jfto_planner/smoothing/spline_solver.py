@@ -8,13 +8,10 @@ Outer problem: the durations, shortened one leg at a time while all limits hold.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array, Flags
 from jfto_planner.smoothing.kernels import control_points, sampled_excess
 from jfto_world.compiled import kernel
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 _COARSE, _FINE = 14, 256
 _LONGER = 1.04

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InfeasibleError, InputError
+from jfto_msgs_py.types import Array
 from jfto_planner.smoothing.smooth import RouteRequest, SmoothingSettings, checked, smooth_route
 from jfto_planner.smoothing.trajectory import Trajectory
 
-Array = NDArray[np.float64]
 GroundHeight = Callable[[Array, Array], Array]
 
 _ROUNDS = 15

@@ -6,15 +6,13 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array
 from jfto_planner.smoothing.bounds import rest_to_rest_s
 from jfto_planner.smoothing.limits import CurveLimits
 from jfto_planner.smoothing.smooth import RouteRequest, SmoothingSettings, smooth_route
 from jfto_planner.smoothing.trajectory import Trajectory
 from jfto_world.motion.limits import MotionLimits
-
-Array = NDArray[np.float64]
 
 # share of the time lost by stops that flying through still loses, mean over random turns
 _SHORT_SHARE, _LONG_SHARE = 0.85, 0.35

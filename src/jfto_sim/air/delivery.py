@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from jfto_msgs_py.types import Array
 
 # A receiver's sensitivity is the level at which a tenth of the packets is lost (IEEE 802.11).
 AT_SENSITIVITY = 0.9

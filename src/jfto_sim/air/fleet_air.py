@@ -6,17 +6,16 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.air import AirReport
 from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.types import Array
 from jfto_sim.air.air import Air
 from jfto_sim.geodesy import UNITS_PER_DEGREE
 
 if TYPE_CHECKING:
     from jfto_sim.vehicle import Vehicle
 
-Array = NDArray[np.float64]
 # ENU metres (A, 3) of latitudes, longitudes (degrees) and heights above sea level (m), all (A,).
 ToEnu = Callable[[Array, Array, Array], Array]
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array
 from jfto_msgs_py.units import SPEED_OF_LIGHT_MPS
 
-Array = NDArray[np.float64]
 # Height of the ground in metres of the ENU frame at metres east and north, arrays of one shape.
 Ground = Callable[[Array, Array], Array]
 

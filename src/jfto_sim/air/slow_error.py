@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from jfto_msgs_py.types import Array
 
 # Waves per channel: enough for the sum to be close to normal.
 _WAVES = 8

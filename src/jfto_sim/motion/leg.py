@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array
 from jfto_world.motion.arducopter.leg_profile import (
     ACCEL,
     COLUMNS,
@@ -24,7 +24,6 @@ from jfto_world.motion.arducopter.leg_profile import (
     speed_up,
 )
 
-Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
 
 

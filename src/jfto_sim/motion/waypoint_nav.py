@@ -8,16 +8,12 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from jfto_sim.motion.body import Body
 from jfto_sim.motion.leg import Leg, Vector
 from jfto_sim.motion.shaping import LevelTarget, stopping_point
 from jfto_world.motion.arducopter.leg_profile import half_overlap_s, planner_limits
 from jfto_world.motion.arducopter.wpnav import WpNav
 
-Array = NDArray[np.float64]
 _SHAPE_JERK_MPS3 = 5.0
 # the position estimate wanders, so that a leg to where the vehicle hovers still takes 1.8 s
 _WANDER_M = 0.065

@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.types import Flags
 from jfto_world.compiled import kernel
-
-Flags = NDArray[np.bool_]
 
 
 def connectivity_rate(adjacency: Flags, first_slot: int, on_air: Flags | None = None) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from jfto_msgs_py.types import Array
 
 
 def energy_used(power_w: Array, slot_duration_s: float) -> Array:

@@ -8,11 +8,10 @@ from statistics import median
 import numpy as np
 from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array
 from jfto_msgs_py.vehicle import TimedTrajectory, VehiclePose
 from jfto_world.motion.progress import sample
 from jfto_world.motion.route_progress import RouteProgress
-
-Array = NDArray[np.float64]
 
 # Poses that come faster than this are used when somebody asks, else not looked at.
 _LOOK_EVERY_S = 0.2

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array
 from jfto_world.compiled import kernel
-
-Array = NDArray[np.float64]
 
 
 @kernel

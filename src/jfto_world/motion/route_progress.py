@@ -7,12 +7,10 @@ from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array
 from jfto_msgs_py.vehicle import TimedTrajectory
 from jfto_world.motion.progress import passes, progress_time
-
-Array = NDArray[np.float64]
 
 # How well a position is known, and how a UAV's clock along its route may wander, s and s per s.
 _POSITION_M = 4.0

@@ -4,12 +4,8 @@ from __future__ import annotations
 
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from jfto_msgs_py.types import Array
 from jfto_world.motion.limits import MotionLimits
-
-Array = NDArray[np.float64]
 
 
 class TimeModel(Protocol):

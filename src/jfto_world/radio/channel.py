@@ -7,12 +7,10 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.types import Array
 from jfto_msgs_py.units import SPEED_OF_LIGHT_MPS, db_to_ratio
-
-Array = NDArray[np.float64]
 
 # Antennas closer than this are taken to be this far apart: the far-field formula diverges at zero.
 NEAR_FIELD_M = 1.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from jfto_msgs_py.types import Array
 
 
 def pairwise_distances(positions_m: Array) -> Array:

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array
 from jfto_msgs_py.units import ratio_to_db
 from jfto_world.radio.channel import Channel
-
-Array = NDArray[np.float64]
 
 # Nearer pairs say more about antennas and position errors than about the path.
 _LEAST_M = 100.0

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.types import Array
 from jfto_msgs_py.units import dbm_to_w
-
-Array = NDArray[np.float64]
 
 
 def noise_w(radio: Radio) -> float:

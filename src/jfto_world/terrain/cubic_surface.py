@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array
 from jfto_world.terrain.kernels import evaluate_all
-
-Array = NDArray[np.float64]
 
 # The spline filter forgets its edge by a factor 0.27 a node: 24 nodes away by 1e-14.
 _PAD = 24

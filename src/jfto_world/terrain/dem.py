@@ -10,11 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from jfto_msgs_py.errors import TerrainError
 from jfto_msgs_py.plan import Origin
+from jfto_msgs_py.types import Array
 from jfto_world.terrain.cubic_surface import CubicSurface
 from jfto_world.terrain.frame import LocalFrame
 from jfto_world.terrain.ray import cell_ceilings, first_hit
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

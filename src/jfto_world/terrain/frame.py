@@ -6,12 +6,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pyproj import Transformer
 
 from jfto_msgs_py.plan import Origin
-
-Array = NDArray[np.float64]
+from jfto_msgs_py.types import Array
 
 
 @dataclass(frozen=True)

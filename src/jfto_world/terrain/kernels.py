@@ -15,11 +15,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array
 from jfto_world.compiled import kernel
-
-Array = NDArray[np.float64]
 
 _DEGREE = 6
 _RESOLUTION = 2.0**-28

@@ -12,14 +12,13 @@ from scipy import ndimage
 
 from jfto_msgs_py.errors import TerrainError
 from jfto_msgs_py.plan import Origin
+from jfto_msgs_py.types import Array
 from jfto_world.terrain.cubic_surface import CubicSurface
 from jfto_world.terrain.dem import Dem
 from jfto_world.terrain.frame import LocalFrame
 from jfto_world.terrain.raster import Raster, apply_affine
 from jfto_world.terrain.raster_file import open_raster
 from jfto_world.terrain.sample_tile import JACKSBORO, jacksboro
-
-Array = NDArray[np.float64]
 
 DEFAULT_MARGIN_M = 500.0
 # Shares of the default margin that are tried where a raster ends near the area.

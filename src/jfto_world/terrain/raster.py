@@ -8,10 +8,9 @@ from functools import cached_property
 
 import numpy as np
 from affine import Affine
-from numpy.typing import NDArray
 from pyproj import CRS, Transformer
 
-Array = NDArray[np.float64]
+from jfto_msgs_py.types import Array
 
 
 def apply_affine(affine: Affine, x: Array, y: Array) -> tuple[Array, Array]:

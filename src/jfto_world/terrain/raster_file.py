@@ -8,16 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import rasterio
-from numpy.typing import NDArray
 from pyproj import CRS
 from pyproj.exceptions import CRSError
 from rasterio.errors import NotGeoreferencedWarning, RasterioError, RasterioIOError
 from rasterio.windows import Window
 
 from jfto_msgs_py.errors import TerrainError
+from jfto_msgs_py.types import Array
 from jfto_world.terrain.raster import Raster
-
-Array = NDArray[np.float64]
 
 FORMATS = {
     ".tif": "GTiff",

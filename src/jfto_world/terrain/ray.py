@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array
 from jfto_world.terrain.cubic_surface import CubicSurface
 from jfto_world.terrain.kernels import first_hits
-
-Array = NDArray[np.float64]
 
 
 def first_hit(

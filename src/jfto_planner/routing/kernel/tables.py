@@ -7,8 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Ints
+
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # Entries of State.total.
 LENGTH, LATE, RADIO, SEPARATION, ENERGY = range(5)

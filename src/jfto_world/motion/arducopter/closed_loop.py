@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InfeasibleError
+from jfto_msgs_py.types import Array, Flags
 from jfto_world.compiled import kernel
 from jfto_world.motion.arducopter.follower import (
     THRUST,
@@ -19,9 +19,6 @@ from jfto_world.motion.arducopter.follower import (
 from jfto_world.motion.arducopter.leg_profile import DURATION, along_leg
 from jfto_world.motion.arducopter.target import plan_target, route_arrays
 from jfto_world.motion.arducopter.wpnav import Airframe, WpNav
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 _SLOWEST_CLOCK = 0.1
 _SETTLE_MAX_S = 60.0

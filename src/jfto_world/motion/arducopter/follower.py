@@ -8,12 +8,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array
 from jfto_world.compiled import kernel
 from jfto_world.motion.arducopter.wpnav import GRAVITY_MPS2, Airframe, WpNav
-
-Array = NDArray[np.float64]
 
 POSITION, VELOCITY = 0, 3  # 3 each, ENU
 THRUST = 6  # horizontal acceleration asked of the tilt, lagged, 2

@@ -11,13 +11,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array, Flags
 from jfto_world.compiled import kernel
 from jfto_world.motion.arducopter.wpnav import WpNav
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 UX, UY, UZ = 0, 1, 2  # unit vector of the leg
 LENGTH, SPEED, LIMIT = 3, 4, 5  # m; speed reached; slope-limited speed

@@ -10,9 +10,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.types import Array
 from jfto_world.compiled import kernel
 from jfto_world.motion.arducopter.closed_loop import Flight, flight_of_record, flown_state
 from jfto_world.motion.arducopter.follower import (
@@ -23,8 +23,6 @@ from jfto_world.motion.arducopter.follower import (
 )
 from jfto_world.motion.arducopter.target import route_arrays
 from jfto_world.motion.arducopter.wpnav import Airframe, WpNav
-
-Array = NDArray[np.float64]
 
 # end vectors together longer than so many times the chord are shortened
 _VECTORS_PER_CHORD = 4.0

@@ -14,9 +14,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from jfto_msgs_py.types import Array
 
 SPOOL_UP_S = 1.8
 # The target leaves the pad so long before the vehicle does, which catches up: as measured.

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.types import Array, Flags
 from jfto_world.motion.arducopter.leg_profile import (
     COLUMNS,
     plan_legs,
@@ -15,9 +15,6 @@ from jfto_world.motion.arducopter.leg_profile import (
     sample_target,
 )
 from jfto_world.motion.arducopter.wpnav import WpNav
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

@@ -7,17 +7,15 @@ from dataclasses import dataclass, field, fields
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.types import Array
 from jfto_world.motion.arducopter.closed_loop import Flight, fly_route
 from jfto_world.motion.arducopter.leg_profile import fill_leg_times, planner_limits
 from jfto_world.motion.arducopter.takeoff import takeoff_height_m, takeoff_s
 from jfto_world.motion.arducopter.target import TargetTrack, plan_target
 from jfto_world.motion.arducopter.wpnav import Airframe, WpNav
 from jfto_world.motion.limits import MotionLimits
-
-Array = NDArray[np.float64]
 
 # mean time that the vehicle's lag adds to a leg of 30 to 300 m, in closed loop at 5 to 10 m/s
 _LAG_FLY_S, _LAG_STOP_S = 0.2, 0.45

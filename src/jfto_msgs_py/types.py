@@ -1,0 +1,10 @@
+"""The array types that signatures of all rooms name; docstrings give shapes and units."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Ints = NDArray[np.int64]
