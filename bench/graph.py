@@ -37,9 +37,9 @@ from pathlib import Path
 
 import numpy as np
 
-from jfto.nodes import use_stand_in_where_needed
+from jfto_msgs_py.ros.installation import require_ros
 
-use_stand_in_where_needed()
+require_ros()
 
 import rclpy  # noqa: E402
 from geometry_msgs.msg import PoseStamped  # noqa: E402

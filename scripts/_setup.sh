@@ -12,14 +12,14 @@ fail() {
 # Newest supported interpreter, or $PYTHON where that is set.
 find_python() {
     local candidate
-    for candidate in ${PYTHON:-python3.12 python3.11 python3.10 python3}; do
-        if "$candidate" -c 'import sys; sys.exit(not (3, 10) <= sys.version_info < (3, 13))' \
+    for candidate in ${PYTHON:-python3.12 python3.11 python3.13 python3.10 python3}; do
+        if "$candidate" -c 'import sys; sys.exit(not (3, 10) <= sys.version_info < (3, 14))' \
             2>/dev/null; then
             printf '%s\n' "$candidate"
             return
         fi
     done
-    fail "JFTO needs Python 3.10, 3.11 or 3.12; $(python3 --version 2>&1 || true) was found." \
+    fail "JFTO needs Python 3.10 to 3.13; $(python3 --version 2>&1 || true) was found." \
         "Install one, or name it: PYTHON=/path/to/python3.12 $0"
 }
 
@@ -32,9 +32,18 @@ need_venv_module() {
         "    sudo apt install python$version-venv"
 }
 
-# What the installed set depends on: the declared requirements, the pins, and where it lies.
+# Extras to install: the wheels of ROS 2 only where no ROS 2 is sourced, since two do not mix.
+extras() {
+    if "$1" -c 'import rclpy' 2>/dev/null; then
+        printf 'bench,dev\n'
+    else
+        printf 'bench,dev,ros\n'
+    fi
+}
+
+# What the installed set depends on: declared requirements, pins, where it lies, which ROS 2 there is.
 wanted_stamp() {
-    { printf '%s\n' "$root"; cat setup.cfg setup.py pyproject.toml constraints.txt; } |
+    { printf '%s\n' "$root" "${AMENT_PREFIX_PATH:-}"; cat setup.cfg setup.py pyproject.toml constraints.txt; } |
         sha256sum | cut -d ' ' -f 1
 }
 
@@ -73,7 +82,7 @@ set_up() {
     [ -d "$venv" ] || "$python" -m venv "$venv" || fail "" "$python could not make $venv."
     rm -f "$venv/stamp"
     if ! "$venv/bin/python" -m pip install --disable-pip-version-check --quiet \
-        --constraint constraints.txt --editable '.[bench,dev]' >"$log" 2>&1; then
+        --constraint constraints.txt --editable ".[$(extras "$python")]" >"$log" 2>&1; then
         fail "failed." "$(grep -iE '^ *error' "$log" | tail -n 5)" \
             "Check the network connection and the log .venv/setup.log, then run this again."
     fi

@@ -1,16 +1,23 @@
-"""Tests of nodes run on the rclpy that is installed, or on jfto_dds where none is."""
+"""Tests of nodes run on the rclpy that is installed, each worker in a ROS domain of its own."""
 
 from __future__ import annotations
 
 import os
 import signal
+from pathlib import Path
 
-from jfto.nodes import use_stand_in_where_needed
+from jfto_msgs_py.ros.installation import require_ros
 
-# On loopback, with message fields checked (jfto_dds always does).
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
-use_stand_in_where_needed()
+os.environ["RCUTILS_COLORIZED_OUTPUT"] = "0"
+# Workers of one run have one parent. Domains above 101 would take ports that Linux gives to others.
+_WORKER = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
+os.environ["ROS_DOMAIN_ID"] = str(1 + (os.getppid() * 8 + _WORKER) % 100)
+# Commands that tests start find the same code.
+_SOURCE = str(Path(__file__).parents[1] / "src")
+os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [_SOURCE, os.environ.get("PYTHONPATH")]))
+require_ros()
 
 # A shell that starts the tests in the background has them ignore SIGINT, and so would every
 # program that a test starts and then interrupts.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import importlib.util
 import os
 import platform
 import sys
@@ -11,6 +10,7 @@ from dataclasses import dataclass
 
 from jfto import __version__
 from jfto.versions import LIBRARIES, version_of
+from jfto_msgs_py.ros.installation import RosMissingError, require_ros
 
 # Import name where it differs from the distribution's.
 _MODULES = {"PyYAML": "yaml"}
@@ -20,7 +20,6 @@ _OPTIONAL = {
     "cvxpy": "the reference power solver",
     "clarabel": "the reference power solver",
     "pymavlink": "flight",
-    "cyclonedds": "ROS 2 topics without ROS",
     "rosbags": "recording bags",
 }
 
@@ -42,9 +41,9 @@ def examine() -> list[Finding]:
 
 
 def _python() -> Finding:
-    good = (3, 10) <= sys.version_info < (3, 13)
+    good = (3, 10) <= sys.version_info < (3, 14)
     state = f"{platform.python_version()}, JFTO {__version__}"
-    return Finding("Python", good, True, state, "Use Python 3.10, 3.11 or 3.12.")
+    return Finding("Python", good, True, state, "Use Python 3.10 to 3.13.")
 
 
 def _library(name: str) -> Finding:
@@ -79,8 +78,8 @@ def _cores() -> Finding:
 
 
 def _ros() -> Finding:
-    distribution = os.environ.get("ROS_DISTRO")
-    if distribution and importlib.util.find_spec("rclpy") is not None:
-        return Finding("ROS 2", True, False, f"{distribution}, rclpy found")
-    state = "not found; planning and reports do not need it"
-    return Finding("ROS 2", False, False, state, "For stock ROS 2: source its setup.bash first.")
+    try:
+        state, good = str(require_ros()), True
+    except RosMissingError as error:
+        state, good = str(error), False
+    return Finding("ROS 2", good, False, state)

@@ -1,17 +1,17 @@
 """Entry points of the nodes: they hand functions from room to room and run the process.
 
-`ros2 run jfto topology_node`, or without ROS `python -m jfto.nodes topology_node`.
+`ros2 run jfto topology_node`, or without ros2cli `python -m jfto.nodes topology_node`.
 """
 
 from __future__ import annotations
 
-import importlib.util
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from jfto.supervision.die_with_parent import die_with_parent
+from jfto_msgs_py.ros.installation import RosMissingError, require_ros
 
 if TYPE_CHECKING:
     from jfto_msgs_py.plan import Plan
@@ -20,72 +20,85 @@ if TYPE_CHECKING:
 Arguments = Sequence[str] | None
 
 
-def use_stand_in_where_needed() -> None:
-    """Make `import rclpy` work where ROS 2 is not installed."""
-    if importlib.util.find_spec("rclpy") is None:
-        import jfto_dds
-
-        jfto_dds.install()
-
-
 def planner_node(arguments: Arguments = None) -> int:
     """Run the planner node."""
-    use_stand_in_where_needed()
-    from jfto_planner.planner_node import PlannerNode
 
-    return _run(lambda: PlannerNode(plan_scenario, load_certified), arguments)
+    def make() -> Any:
+        from jfto_planner.planner_node import PlannerNode
+
+        return PlannerNode(plan_scenario, load_certified)
+
+    return _run(make, arguments)
 
 
 def topology_node(arguments: Arguments = None) -> int:
     """Run the topology node."""
-    use_stand_in_where_needed()
-    from jfto.scenario_terrain import dem_of
-    from jfto_topology.topology_node import TopologyNode
 
-    return _run(lambda: TopologyNode(dem_of), arguments)
+    def make() -> Any:
+        from jfto.scenario_terrain import dem_of
+        from jfto_topology.topology_node import TopologyNode
+
+        return TopologyNode(dem_of)
+
+    return _run(make, arguments)
 
 
 def power_node(arguments: Arguments = None) -> int:
     """Run the power node."""
-    use_stand_in_where_needed()
-    from jfto_power.power_node import PowerNode
 
-    return _run(PowerNode, arguments)
+    def make() -> Any:
+        from jfto_power.power_node import PowerNode
+
+        return PowerNode()
+
+    return _run(make, arguments)
 
 
 def radio_node(arguments: Arguments = None) -> int:
     """Run the radio node."""
-    use_stand_in_where_needed()
-    from jfto_power.radio_node import RadioNode
 
-    return _run(RadioNode, arguments)
+    def make() -> Any:
+        from jfto_power.radio_node import RadioNode
+
+        return RadioNode()
+
+    return _run(make, arguments)
 
 
 def pose_player(arguments: Arguments = None) -> int:
     """Run the pose player."""
-    use_stand_in_where_needed()
-    from jfto.pose_player_node import PosePlayerNode
 
-    return _run(PosePlayerNode, arguments)
+    def make() -> Any:
+        from jfto.pose_player_node import PosePlayerNode
+
+        return PosePlayerNode()
+
+    return _run(make, arguments)
 
 
 def mavlink_bridge(arguments: Arguments = None) -> int:
     """Run the bridge to vehicles."""
-    use_stand_in_where_needed()
-    from jfto.bridge_fleet import open_simulated
-    from jfto.scenario_terrain import ground_of
-    from jfto_mavlink.mavlink_bridge import MavlinkBridgeNode
 
-    return _run(lambda: MavlinkBridgeNode(open_simulated, ground_of), arguments)
+    def make() -> Any:
+        from jfto.bridge_fleet import open_simulated
+        from jfto.scenario_terrain import ground_of
+        from jfto_mavlink.mavlink_bridge import MavlinkBridgeNode
+
+        return MavlinkBridgeNode(open_simulated, ground_of)
+
+    return _run(make, arguments)
 
 
 def simulated_fleet(arguments: Arguments = None) -> int:
     """Run simulated vehicles, whose time is that of the graph."""
-    use_stand_in_where_needed()
-    from jfto.scenario_terrain import dem_of
-    from jfto.simulated_fleet_node import SimulatedFleetNode
 
-    return _run(lambda: SimulatedFleetNode(dem_of), arguments)
+    def make() -> Any:
+        from jfto.scenario_terrain import dem_of
+        from jfto.simulated_fleet_node import SimulatedFleetNode
+
+        return SimulatedFleetNode(dem_of)
+
+    return _run(make, arguments)
 
 
 NODES = {
@@ -123,6 +136,11 @@ def load_certified(path: Path) -> Plan:
 
 
 def _run(make: Callable[[], Any], arguments: Arguments) -> int:
+    try:
+        require_ros()
+    except RosMissingError as error:
+        print(error, file=sys.stderr)
+        return error.exit_status
     from jfto_msgs_py.ros.run_node import run_node
 
     return run_node(make, arguments)

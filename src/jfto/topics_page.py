@@ -8,9 +8,9 @@ from __future__ import annotations
 from typing import Any
 
 from jfto.node_options import NODE_OPTIONS
-from jfto.nodes import use_stand_in_where_needed
 from jfto_msgs_py.ros.endpoints import SERVICES, TOPICS
 from jfto_msgs_py.ros.events import KINDS
+from jfto_msgs_py.ros.installation import require_ros
 
 _HEAD = """\
 # Topics, services and parameters of the node graph
@@ -33,7 +33,7 @@ would be right.
 
 def page() -> str:
     """Markdown page of all topics, services and parameters of nodes."""
-    use_stand_in_where_needed()
+    require_ros()
     lines = [_HEAD, "## Topics", "", "| topic | type | QoS | by | to | content |"]
     lines.append("|---|---|---|---|---|---|")
     for topic in TOPICS:

@@ -15,7 +15,6 @@ LIBRARIES = (
     "cvxpy",
     "clarabel",
     "pymavlink",
-    "cyclonedds",
     "rosbags",
     "rasterio",
     "pyproj",

@@ -26,8 +26,8 @@ LIMIT_S = 240.0
 HOSTS = ("planner", "topology", "power")
 # Runs on the third host too, as somebody who joins there and waits for the graph's last word.
 LISTENER = """
-from jfto.nodes import use_stand_in_where_needed
-use_stand_in_where_needed()
+from jfto_msgs_py.ros.installation import require_ros
+require_ros()
 import rclpy
 from rclpy.wait_for_message import wait_for_message
 from std_msgs.msg import Float64MultiArray

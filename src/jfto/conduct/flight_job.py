@@ -19,12 +19,12 @@ from jfto.conduct.seen import Seen
 from jfto.conduct.settings import ConductSettings
 from jfto.field.keeper import FieldKeeper
 from jfto.field.state import FieldState
-from jfto.nodes import use_stand_in_where_needed
 from jfto.run_directory import LOG_NAME
 from jfto.supervision.back_off import BackOffSettings
 from jfto.supervision.process import NodeCommand
 from jfto.supervision.supervisor import Death, Supervisor
 from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.ros.installation import require_ros
 
 if TYPE_CHECKING:
     from jfto.conduct.client import Client
@@ -82,7 +82,7 @@ def fly(job: FlightJob, operator: Operator) -> FlightEnd:
 
     Raises InputError where another flight runs on this ROS domain.
     """
-    use_stand_in_where_needed()
+    require_ros()
     from jfto.conduct.client import open_client
 
     conductor = Conductor(job.settings)

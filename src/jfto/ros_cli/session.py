@@ -10,6 +10,8 @@ import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from jfto_msgs_py.ros.installation import require_ros
+
 EXIT_INTERRUPTED = 130
 EXIT_TERMINATED = 143
 
@@ -17,13 +19,6 @@ EXIT_TERMINATED = 143
 _QUIET_S = 0.3
 _DISCOVERY_LIMIT_S = 5.0
 _POLL_S = 0.05
-
-
-def find_ros() -> None:
-    """Make `import rclpy` work: the installed one where there is one, its stand-in elsewhere."""
-    import jfto_dds
-
-    jfto_dds.install()
 
 
 class Stopped(Exception):  # noqa: N818 - it is a request, not a fault
@@ -108,7 +103,7 @@ def open_session(
 
     With `sim_time` the node's clock is /clock. SIGINT and SIGTERM leave the block by Stopped.
     """
-    find_ros()
+    require_ros()
     import rclpy
     from rclpy.executors import SingleThreadedExecutor
     from rclpy.parameter import Parameter

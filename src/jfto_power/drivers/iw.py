@@ -7,6 +7,7 @@ import re
 import subprocess
 from collections.abc import Sequence
 
+from jfto_msgs_py.environment import foreign_environment
 from jfto_power.drivers.driver import RadioError, check_power, check_served
 
 _POWER = re.compile(r"^\s*txpower\s+(-?\d+(?:\.\d+)?)\s*dBm\s*$", re.MULTILINE)
@@ -69,6 +70,7 @@ class IwDriver:
         try:
             done = subprocess.run(
                 command,
+                env=foreign_environment(),
                 capture_output=True,
                 text=True,
                 timeout=self._timeout_s,

@@ -2,25 +2,10 @@
 
 from __future__ import annotations
 
-import importlib.util
-import os
 import threading
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-import jfto_dds
-
-os.environ["ROS_DOMAIN_ID"] = str(1 + os.getpid() % 200)
-os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
-os.environ["RCUTILS_COLORIZED_OUTPUT"] = "0"
-
-if importlib.util.find_spec("rclpy") is None:
-    jfto_dds.install()
-# Commands that tests start find the same code.
-_SOURCE = str(Path(jfto_dds.__file__).parents[1])
-os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [_SOURCE, os.environ.get("PYTHONPATH")]))
 
 
 def _stamp(message, frame_id):

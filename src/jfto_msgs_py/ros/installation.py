@@ -1,0 +1,127 @@
+"""Which ROS 2 this interpreter has: one that was sourced, or the wheels of the extra `[ros]`."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+from typing import Literal
+
+from jfto_msgs_py.errors import InputError
+
+# The wheels bring this one only.
+_WHEELS_RMW = "rmw_fastrtps_cpp"
+_WHEELS_DISTRIBUTION = "jazzy"
+_DISCOVERY = "ROS_AUTOMATIC_DISCOVERY_RANGE"
+BOTH_WAYS = (
+    'pip install -c constraints.txt ".[ros]" (Linux x86_64), or on a ROS computer: '
+    "source /opt/ros/jazzy/setup.bash"
+)
+
+
+class RosMissingError(InputError):
+    """No ROS 2 that this interpreter could use."""
+
+
+@dataclass(frozen=True)
+class RosInstallation:
+    """The ROS 2 that `import rclpy` finds.
+
+    `source` is "wheels" (the extra `[ros]`) or "system"; `versions` holds what is known of
+    packages; `discovery` is how far nodes look for one another.
+    """
+
+    source: Literal["wheels", "system"]
+    distribution: str
+    rmw: str
+    versions: dict[str, str]
+    domain: str
+    discovery: str
+
+    def __str__(self) -> str:
+        versions = ", ".join(f"{name} {version}" for name, version in self.versions.items())
+        where = "wheels" if self.source == "wheels" else "system"
+        return (
+            f"{self.distribution} ({where}), {self.rmw}, {versions or 'versions unknown'}, "
+            f"domain {self.domain}, discovery {self.discovery}"
+        )
+
+
+def find_ros() -> RosInstallation | None:
+    """What this interpreter has; None where it has no rclpy. Imports nothing of ROS."""
+    found = importlib.util.find_spec("rclpy")
+    if found is None or found.origin is None:
+        return None
+    from_wheels = _wheels_folder() == Path(found.origin).parents[1]
+    names = ("rclpy", "rmw-fastrtps-cpp", "common-interfaces")
+    versions = {name: _version(f"ros-{name}") for name in names} if from_wheels else {}
+    distribution = os.environ.get("ROS_DISTRO", "unknown")
+    return RosInstallation(
+        source="wheels" if from_wheels else "system",
+        distribution=_WHEELS_DISTRIBUTION if from_wheels else distribution,
+        rmw=os.environ.get("RMW_IMPLEMENTATION") or f"{_WHEELS_RMW} (default)",
+        versions={name: version for name, version in versions.items() if version},
+        domain=os.environ.get("ROS_DOMAIN_ID") or "0",
+        discovery=_discovery(),
+    )
+
+
+def require_ros() -> RosInstallation:
+    """Make sure that `import rclpy` works, and keep discovery on this computer unless asked for.
+
+    Raises RosMissingError where there is no ROS 2, or two at once, or wheels that lack the wanted
+    middleware.
+    """
+    os.environ.setdefault(_DISCOVERY, "LOCALHOST")
+    found = find_ros()
+    if found is None:
+        raise RosMissingError(
+            f"This needs ROS 2 Jazzy, and no rclpy was found. Get it by {BOTH_WAYS}. "
+            "Planning, missions and reports work without."
+        )
+    if os.environ.get("AMENT_PREFIX_PATH") and _sourced_rclpy() and _wheels_folder() is not None:
+        raise RosMissingError(
+            "A sourced ROS 2 and the ROS 2 wheels meet in this process, whose libraries do not "
+            "mix. Use a shell that has not sourced setup.bash, or an environment without the "
+            "extra [ros]."
+        )
+    wanted = os.environ.get("RMW_IMPLEMENTATION", "")
+    if found.source == "wheels" and wanted not in ("", _WHEELS_RMW):
+        raise RosMissingError(
+            f"RMW_IMPLEMENTATION is {wanted}, and the ROS 2 wheels have {_WHEELS_RMW} only. Unset "
+            "it, or use ROS 2 from apt."
+        )
+    return found
+
+
+def _discovery() -> str:
+    told = os.environ.get(_DISCOVERY, "LOCALHOST")
+    peers = os.environ.get("ROS_STATIC_PEERS", "")
+    return f"{told} and {peers}" if peers else told
+
+
+def _wheels_folder() -> Path | None:
+    """Where the wheels' rclpy lies."""
+    try:
+        return Path(str(metadata.distribution("ros-rclpy").locate_file("")))
+    except metadata.PackageNotFoundError:
+        return None
+
+
+def _sourced_rclpy() -> bool:
+    """Whether a sourced prefix has an rclpy of its own."""
+    prefixes = os.environ["AMENT_PREFIX_PATH"].split(os.pathsep)
+    return any(
+        next(Path(prefix).glob("lib/python3*/site-packages/rclpy"), None) is not None
+        for prefix in prefixes
+        if prefix
+    )
+
+
+def _version(distribution: str) -> str:
+    try:
+        return metadata.version(distribution)
+    except metadata.PackageNotFoundError:
+        return ""
