@@ -131,7 +131,7 @@ def test_a_silent_topology_stops_no_setpoint(graph) -> None:
     graph.at(0.1)
     topology.publish(0)
     graph.until(lambda: topology.schedules and all(topology.setpoints.values()))
-    account = graph.executor.get_nodes()[-1]._account
+    account = graph.newest._account
     for slot in (1, 2, 3):
         graph.at(slot * DURATION_S + 0.1)
         row = topology.schedule().power_w[slot]
@@ -145,7 +145,7 @@ def test_energy_is_charged_and_outlives_a_restart(graph, tmp_path) -> None:
     """What the powers in force drew is gone, also what they drew while no node ran."""
     file = tmp_path / "energy.json"
     topology = _start(graph, state_file=str(file))
-    first = graph.executor.get_nodes()[-1]
+    first = graph.newest
     graph.at(0.0)
     topology.publish(0, 11)
     graph.until(lambda: all(topology.setpoints.values()))
@@ -188,7 +188,7 @@ def test_nodes_of_single_uavs_agree_with_one_for_all(graph) -> None:
     topology.publish(0)
     graph.until(lambda: topology.schedules)
     whole = topology.schedule().power_w
-    graph.remove(graph.executor.get_nodes()[-1])
+    graph.remove(graph.newest)
     for uav in IDS:
         graph.add(PowerNode, use_sim_time=True, fleet__energy_j=[8.0], uav_id=uav)
     # Three publishers of one topic: a reader that keeps one message would see the last only.
@@ -274,7 +274,7 @@ def test_a_radio_whose_energy_is_used_up_is_put_to_silence_at_once(graph) -> Non
     topology.publish(10, 1)
     graph.until(lambda: topology.schedules and all(topology.setpoints.values()))
     assert topology.schedule().power_w[0].tolist() == [0.01, 0.01, 0.01]
-    account = graph.executor.get_nodes()[-1]._account
+    account = graph.newest._account
     graph.at(30.0)
     assert not topology.events("energy")
     graph.at(50.0)
@@ -315,7 +315,7 @@ def test_a_topology_of_fewer_uavs_leaves_the_others_their_power(graph) -> None:
     graph.at(0.1)
     topology.publish(0)
     graph.until(lambda: all(topology.setpoints.values()))
-    account = graph.executor.get_nodes()[-1]._account
+    account = graph.newest._account
     before_w = account.power_w["uav3"]
     horizon = SlotHorizon(1, at(DURATION_S), DURATION_S, 4)
     links = np.broadcast_to(~np.eye(2, dtype=bool), (4, 2, 2)).copy()

@@ -145,7 +145,7 @@ def test_a_stale_uav_is_excluded_and_flagged(graph) -> None:
 def test_malformed_messages_are_counted_and_nothing_stops(graph) -> None:
     """A NaN, a wrong frame and an empty trajectory are counted by field; the next slot comes."""
     fleet = _start(graph)
-    counts = graph.executor.get_nodes()[-1].intake.counts
+    counts = graph.newest.intake.counts
     graph.at(2.1)
     graph.until(fleet.poses["uav1"].get_subscription_count)
     bad = encode_pose(pose(2.1, 0.0, 0.0))
@@ -178,7 +178,7 @@ def test_malformed_messages_are_counted_and_nothing_stops(graph) -> None:
 def test_an_inactive_node_is_silent(graph) -> None:
     """Deactivated it publishes nothing; activated again it solves the slot that is due."""
     fleet = _start(graph)
-    node = graph.executor.get_nodes()[-1]
+    node = graph.newest
     graph.at(2.1)
     fleet.measure(2.1, *IDS)
     graph.until(lambda: _firsts(fleet) == [1])
@@ -212,7 +212,7 @@ def test_a_node_restarted_in_mid_flight_goes_on_within_a_slot(graph) -> None:
     graph.at(2.1)
     fleet.measure(2.1, *IDS)
     graph.until(lambda: _firsts(fleet) == [1])
-    graph.remove(graph.executor.get_nodes()[-1])
+    graph.remove(graph.newest)
     graph.add(TopologyNode, use_sim_time=True, horizon_slots=4)
     graph.at(16.5)
     fleet.measure(16.5, *IDS, lag_s=11.0)
@@ -251,7 +251,7 @@ def test_energy_that_will_not_last_is_announced_before(graph) -> None:
     """The power node's account against the least powers of all slots that are left."""
     fleet = _start(graph)
     fleet.energy.publish(encode_energy_left(at(0.0), {"uav1": 1e-6, "uav2": 50.0, "uav3": 50.0}))
-    graph.until(lambda: graph.executor.get_nodes()[-1]._left_j)
+    graph.until(lambda: graph.newest._left_j)
     graph.at(2.1)
     fleet.measure(2.1, *IDS)
     graph.until(fleet.events)

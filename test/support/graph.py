@@ -69,6 +69,11 @@ class Graph:
             node.start()
         return node
 
+    @property
+    def newest(self):
+        """The node that was added last; executors list theirs in no order."""
+        return self._nodes[-1]
+
     def remove(self, node) -> None:
         """Take a node off the graph."""
         self._nodes.remove(node)
