@@ -11,7 +11,7 @@ from typing import Any
 
 from jfto.bag.errors import BagError
 from jfto.bag.replay_clock import ReplayClock, ReplayTimer
-from jfto.ros_cli.session import find_ros
+from jfto_msgs_py.ros.installation import require_ros
 
 # Options of a node that would tie a replay to files of the run.
 _LEFT_OUT = ("state_file",)
@@ -136,7 +136,7 @@ def replay_nodes(
     names: list[str], parameters: Path, clock: ReplayClock, outputs: list[Output]
 ) -> Iterator[list[Any]]:
     """The nodes, active, off the network. Raises JftoError for parameters that do not fit."""
-    find_ros()
+    require_ros()
     from rclpy.context import Context
     from rclpy.parameter import Parameter
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable
 from typing import Any
 
@@ -14,20 +15,24 @@ _UNKNOWN = (AttributeError, ModuleNotFoundError, ValueError)
 
 def message_class(name: str) -> Any:
     """Class of a message type; raises RosCommandError for an unknown one."""
-    from rosidl_runtime_py.utilities import get_message  # type: ignore[import-not-found]
-
     try:
-        return get_message(name)
+        return _interface(name, "msg")
     except _UNKNOWN:
         raise RosCommandError("The passed message type is invalid") from None
 
 
+def _interface(name: str, kind: str) -> Any:
+    """Class of package/kind/Name, or package/Name for short."""
+    package, *middle, leaf = name.split("/")
+    if middle not in ([], [kind]):
+        raise ValueError(name)
+    return getattr(importlib.import_module(f"{package}.{kind}"), leaf)
+
+
 def service_class(name: str) -> Any:
     """Class of a service type; raises RosCommandError for an unknown one."""
-    from rosidl_runtime_py.utilities import get_service
-
     try:
-        return get_service(name)
+        return _interface(name, "srv")
     except _UNKNOWN:
         raise RosCommandError("The passed service type is invalid") from None
 
