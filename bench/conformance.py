@@ -7,11 +7,14 @@ from __future__ import annotations
 
 import argparse
 import statistics
+import sys
 from collections import Counter
 from pathlib import Path
 
-from jfto_sim.conformance import compare, read_recording, replay
-from jfto_sim.conformance.compare import ANSWERS, key
+sys.path.insert(0, str(Path(__file__).parents[1] / "test"))
+
+from support.conformance import compare, read_recording, replay
+from support.conformance.compare import ANSWERS, key
 
 
 def groups(folder: Path) -> list[list[Path]]:

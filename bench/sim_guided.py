@@ -7,13 +7,16 @@ from __future__ import annotations
 
 import argparse
 import math
+import sys
 from pathlib import Path
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).parents[1] / "test"))
+
 from jfto_sim import Vehicle, VehicleConfig
-from jfto_sim.conformance.pilot import Pilot
 from jfto_sim.dialect import mavlink
+from support.pilot import Pilot
 
 # fields ignored: position 7, velocity 56, acceleration 448, yaw 1024, yaw rate 2048
 MASKS = {"P": 0xFF8, "PV": 0xFC0, "PVA": 0xE00, "V": 0xFC7, "VA": 0xE07}

@@ -7,17 +7,20 @@ from __future__ import annotations
 
 import argparse
 import csv
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).parents[1] / "test"))
+
 from jfto_sim import Vehicle, VehicleConfig
-from jfto_sim.conformance.pilot import Pilot
 from jfto_sim.dialect import mavlink
 from jfto_sim.geodesy import move
 from jfto_sim.mission.items import Item
 from jfto_sim.modes.numbers import Mode
+from support.pilot import Pilot
 
 HOME = (466_000_000, 85_000_000)
 

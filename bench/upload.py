@@ -14,14 +14,17 @@ import argparse
 import statistics
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 
-from jfto.rehearsal import Rehearsal
+sys.path.insert(0, str(Path(__file__).parents[1] / "test"))
+
 from jfto_mavlink.fleet.release import FleetDelivery, deliver_to_fleet
 from jfto_mavlink.mission.item import Item, Mission
 from jfto_mavlink.mission.stored import stored
 from jfto_sim import LinkFaults, Vehicle, VehicleConfig
+from support.rehearsal import Rehearsal
 
 ITEMS, VEHICLES = 60, 3
 

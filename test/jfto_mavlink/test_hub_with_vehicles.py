@@ -8,7 +8,6 @@ import random
 
 import pytest
 
-from jfto.rehearsal import CLEAN, Rehearsal
 from jfto_mavlink.dialect import mavlink
 from jfto_mavlink.errors import CommandError, FlightError, RosterError, SigningError, TransferError
 from jfto_mavlink.fleet.release import deliver_to_fleet
@@ -22,6 +21,7 @@ from jfto_mavlink.mission.upload import upload
 from jfto_mavlink.parameter import read_parameter, set_parameter
 from jfto_mavlink.signing_setup import setup_signing
 from jfto_sim import LinkFaults, Vehicle, VehicleConfig
+from support.rehearsal import CLEAN, Rehearsal
 
 KEY = hashlib.sha256(b"test key one").digest()
 

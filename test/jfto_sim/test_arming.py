@@ -3,9 +3,9 @@
 import pytest
 
 from jfto_sim import Vehicle
-from jfto_sim.conformance.pilot import Pilot
 from jfto_sim.dialect import mavlink as m
 from jfto_sim.mission.items import Item
+from support.pilot import Pilot
 
 ACCEPTED, FAILED = m.MAV_RESULT_ACCEPTED, m.MAV_RESULT_FAILED
 

@@ -4,10 +4,10 @@ import pytest
 
 from jfto_sim import Vehicle, VehicleConfig
 from jfto_sim.battery import BatteryState
-from jfto_sim.conformance.pilot import Pilot
 from jfto_sim.dialect import mavlink as m
 from jfto_sim.geodesy import move
 from jfto_sim.mission.items import Item
+from support.pilot import Pilot
 
 ORIGIN = (473977420, 85455940)
 AUTO, RTL, LAND = 3, 6, 9

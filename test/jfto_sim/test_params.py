@@ -6,9 +6,9 @@ import pytest
 
 from jfto_msgs_py.errors import InputError
 from jfto_sim import Vehicle, VehicleConfig
-from jfto_sim.conformance.pilot import Pilot, PilotError
 from jfto_sim.dialect import mavlink as m
 from jfto_sim.params import Parameters, definitions
+from support.pilot import Pilot, PilotError
 
 
 @pytest.fixture

@@ -5,9 +5,9 @@ import hashlib
 import pytest
 
 from jfto_sim import Vehicle
-from jfto_sim.conformance.pilot import Pilot
 from jfto_sim.dialect import mavlink as m
 from jfto_sim.signing import EPOCH_2015_US
+from support.pilot import Pilot
 
 KEY = hashlib.sha256(b"test key one").digest()
 WRONG = hashlib.sha256(b"wrong key").digest()

@@ -5,8 +5,8 @@ from collections import Counter
 import pytest
 
 from jfto_sim import Vehicle
-from jfto_sim.conformance.pilot import Pilot
 from jfto_sim.dialect import mavlink as m
+from support.pilot import Pilot
 
 SET, GET, REQUEST = 511, 510, 512
 

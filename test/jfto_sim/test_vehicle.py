@@ -7,9 +7,9 @@ import pytest
 
 from jfto_msgs_py.errors import InputError
 from jfto_sim import Vehicle, VehicleConfig
-from jfto_sim.conformance.pilot import Pilot
 from jfto_sim.dialect import mavlink as m
 from jfto_sim.mission.items import NAMES, Item
+from support.pilot import Pilot
 
 
 def script(vehicle):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from functools import partial
 
-from jfto.rehearsal import Rehearsal
 from jfto_mavlink.bridge_flight import BridgeFlight, Found
 from jfto_mavlink.fleet.fly import FlySettings, start_fleet
 from jfto_mavlink.fleet.notices import Notice
@@ -15,6 +14,7 @@ from jfto_mavlink.mission.settings import MissionSettings
 from jfto_mavlink.telemetry import LinkState, listen
 from jfto_mavlink.watch import LOST_AFTER_S
 from jfto_sim import Vehicle, VehicleConfig
+from support.rehearsal import Rehearsal
 
 READY_S = 45.0
 FAILSAFES = {"BATT_FS_LOW_ACT": 2.0, "BATT_LOW_VOLT": 11.0}

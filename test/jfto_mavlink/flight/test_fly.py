@@ -7,7 +7,6 @@ import dataclasses
 import numpy as np
 import pytest
 
-from jfto.rehearsal import CLEAN, Rehearsal
 from jfto_mavlink.command import send_command, set_mode
 from jfto_mavlink.dialect import MODES, mavlink
 from jfto_mavlink.errors import CommandError, FlightError, TransferError
@@ -28,6 +27,7 @@ from jfto_mavlink.mission.build import build_missions
 from jfto_mavlink.mission.deliver import deliver
 from jfto_mavlink.mission.settings import MissionSettings
 from jfto_sim import LinkFaults, Vehicle, VehicleConfig
+from support.rehearsal import CLEAN, Rehearsal
 
 READY_S = 45.0
 

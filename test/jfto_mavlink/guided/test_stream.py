@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from jfto.rehearsal import Rehearsal
 from jfto_mavlink.command import set_mode
 from jfto_mavlink.dialect import MODES
 from jfto_mavlink.flight.start import StartLine
@@ -19,6 +18,7 @@ from jfto_msgs_py.plan import Origin
 from jfto_msgs_py.vehicle import TimedTrajectory
 from jfto_sim import LinkFaults, Vehicle, VehicleConfig
 from jfto_world.terrain.frame import LocalFrame
+from support.rehearsal import Rehearsal
 
 START_NS = 1_763_776_800 * 10**9
 # The plan's origin is not where the vehicle stands, and its heights are in another datum.

@@ -5,10 +5,10 @@ import math
 import pytest
 
 from jfto_sim import Vehicle
-from jfto_sim.conformance.pilot import Pilot
 from jfto_sim.dialect import mavlink as m
 from jfto_sim.mission.items import Item
 from jfto_sim.mission.store import MISSION_CAPACITY
+from support.pilot import Pilot
 
 LAT, LON = 473977420, 85455940
 

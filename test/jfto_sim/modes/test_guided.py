@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from jfto_sim import Vehicle
-from jfto_sim.conformance.pilot import Pilot
 from jfto_sim.dialect import mavlink as m
+from support.pilot import Pilot
 
 DATA = Path(__file__).parents[2] / "data" / "ardupilot"
 MASKS = {"P": 0xDF8, "PVA": 0xC00}

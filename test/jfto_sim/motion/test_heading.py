@@ -3,9 +3,9 @@
 import pytest
 
 from jfto_sim import Vehicle
-from jfto_sim.conformance.pilot import Pilot
 from jfto_sim.geodesy import wrap_180
 from jfto_sim.motion.heading import Heading, YawMode
+from support.pilot import Pilot
 
 
 @pytest.mark.parametrize(

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from jfto_sim import Vehicle, VehicleConfig
-from jfto_sim.conformance.pilot import Pilot
 from jfto_sim.dialect import mavlink as m
 from jfto_sim.geodesy import move
 from jfto_sim.mission.items import Item
 from jfto_sim.modes.numbers import Mode
+from support.pilot import Pilot
 
 DATA = Path(__file__).parents[2] / "data" / "timing"
 HOME = (466_000_000, 85_000_000)

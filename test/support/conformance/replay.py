@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from jfto_sim.config import VehicleConfig
-from jfto_sim.conformance.recording import Recording
 from jfto_sim.dialect import Message, mavlink
 from jfto_sim.vehicle import Vehicle
+from support.conformance.recording import Recording
 
 _SLICE_S = 0.02
 _SECOND_STATION = 254

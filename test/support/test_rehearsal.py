@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from jfto.rehearsal import Rehearsal
 from jfto_mavlink.command import set_mode
 from jfto_mavlink.errors import RosterError
 from jfto_mavlink.mission.download import download
 from jfto_sim import LinkFaults, Vehicle, VehicleConfig
+from support.rehearsal import Rehearsal
 
 
 def run(seed: int) -> bytes:

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from jfto_sim.conformance import compare, read_recording, replay
-from jfto_sim.conformance.compare import ANSWERS
+from support.conformance import compare, read_recording, replay
+from support.conformance.compare import ANSWERS
 
-DATA = Path(__file__).parents[2] / "data" / "ardupilot"
+DATA = Path(__file__).parents[1] / "data" / "ardupilot"
 LEAST_SHARE = 0.95
 RECORDINGS = (
     "01_connect_params",

@@ -7,8 +7,8 @@ from collections import defaultdict
 from collections.abc import Hashable
 from dataclasses import dataclass, field
 
-from jfto_sim.conformance.replay import Answer
 from jfto_sim.dialect import Message
+from support.conformance.replay import Answer
 
 # groups within which order must be the same
 _PROTOCOL = frozenset(
