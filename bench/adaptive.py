@@ -20,9 +20,9 @@ from pathlib import Path
 
 import numpy as np
 
-from jfto.progress import SilentWatcher
-from jfto.stages.compare import compare
-from jfto.stages.network import network_of
+from jfto.analysis.compare import compare
+from jfto.console.progress import SilentWatcher
+from jfto.planning.network import network_of
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.plan_file import read_plan
 from jfto_msgs_py.vehicle import VehiclePose

@@ -23,7 +23,7 @@ import matplotlib as mpl
 import numpy as np
 import torch
 
-from jfto.training_file import read_training
+from jfto.planning.training_file import read_training
 from jfto_planner.policy import generator
 from jfto_planner.policy.environment import Episode
 from jfto_planner.policy.instance import InstanceBatch

@@ -23,10 +23,10 @@ import numpy as np
 from pyvrp import Model
 from pyvrp.stop import MaxRuntime
 
-from jfto.progress import SilentWatcher
-from jfto.scenario_file import load_scenario
-from jfto.stages.routes import plan_uavs, routing_problem
-from jfto.stages.survey import Survey, survey
+from jfto.console.progress import SilentWatcher
+from jfto.planning.routes import plan_uavs, routing_problem
+from jfto.planning.scenario_file import load_scenario
+from jfto.planning.survey import Survey, survey
 from jfto_msgs_py.certificate import Certificate
 from jfto_msgs_py.errors import InfeasibleError
 from jfto_msgs_py.plan_file import rounded

@@ -13,11 +13,11 @@ from __future__ import annotations
 import argparse
 import time
 
-from jfto.progress import SilentWatcher
-from jfto.scenario_file import load_scenario
-from jfto.stages.flight import flight_of
-from jfto.stages.routes import Planned, is_clean, plan_routes, routing_problem
-from jfto.stages.survey import survey
+from jfto.console.progress import SilentWatcher
+from jfto.planning.flight import flight_of
+from jfto.planning.routes import Planned, is_clean, plan_routes, routing_problem
+from jfto.planning.scenario_file import load_scenario
+from jfto.planning.survey import survey
 from jfto_planner.routing.assess import route_points
 
 

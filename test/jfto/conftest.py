@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from jfto.pipeline import Run, run_all
-from jfto.progress import SilentWatcher
-from jfto.run_directory import make_run_directory
-from jfto.scenario_file import load_scenario
-from jfto.stages.routes import plan_routes
-from jfto.stages.survey import Survey, survey
+from jfto.console.progress import SilentWatcher
+from jfto.pipeline.directory import make_run_directory
+from jfto.pipeline.run import Run, run_all
+from jfto.planning.routes import plan_routes
+from jfto.planning.scenario_file import load_scenario
+from jfto.planning.survey import Survey, survey
 from jfto_msgs_py.plan import Plan
 
 TINY = Path(__file__).parents[1] / "data" / "scenario" / "tiny.yaml"

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from jfto.scenario_file import load_scenario
+from jfto.planning.scenario_file import load_scenario
 from jfto.supervision.graph import GraphOptions, graph_commands
 from jfto_msgs_py.errors import ScenarioError
 

@@ -115,7 +115,7 @@ def test_the_wheel_holds_every_module_and_data_file(wheel: zipfile.ZipFile) -> N
 @pytest.mark.parametrize("scene", SCENES)
 def test_shipped_scenarios_are_valid(scene: str) -> None:
     """Every shipped scenario loads and describes a heterogeneous or identical fleet in full."""
-    from jfto.scenario_file import load_scenario
+    from jfto.planning.scenario_file import load_scenario
 
     fleet = load_scenario(ROOT / "config" / f"{scene}.yaml").scenario.fleet
     assert len(fleet.ids) == len(fleet.p_max_dbm) == len(fleet.energy_j) == fleet.count >= 3

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from jfto.as_flown.record import SETPOINT, PowerSteps, RecordedFlight, Track
+from jfto.analysis.record import SETPOINT, PowerSteps, RecordedFlight, Track
 from jfto.bag.recorder import BagRecorder
 from jfto_msgs_py.air import AirReport
 from jfto_msgs_py.network import Adjacency, SlotHorizon

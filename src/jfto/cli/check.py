@@ -24,8 +24,8 @@ def command(
     durations, lengths, energy. Status 0 if all holds, 3 if not.
     """
     from jfto.cli.failure import EXIT_INFEASIBLE
-    from jfto.cli.summary import plan_facts, print_json
-    from jfto.stages.routes import read_and_certify
+    from jfto.console.summary import plan_facts, print_json
+    from jfto.planning.routes import read_and_certify
 
     read = read_and_certify(plan)
     certificate = read.certificate

@@ -36,11 +36,11 @@ def command(
     """
     loaded = load(scenario, overrides)
 
-    from jfto.cli.summary import print_json
-    from jfto.cli.watcher import TerminalWatcher
-    from jfto.export import coverage_object
-    from jfto.stages.survey import survey
-    from jfto.waypoint_export import check_suffix, write_waypoints
+    from jfto.analysis.export import coverage_object
+    from jfto.analysis.waypoint_export import check_suffix, write_waypoints
+    from jfto.console.summary import print_json
+    from jfto.console.watcher import TerminalWatcher
+    from jfto.planning.survey import survey
 
     if out is not None:
         check_suffix(out)

@@ -15,7 +15,7 @@ def command(
     debug: bool,  # noqa: ARG001  main() reads it
 ) -> int:
     """Say what is installed, what is missing, and what to do about it."""
-    from jfto.cli.summary import print_json
+    from jfto.console.summary import print_json
     from jfto.doctor import examine
 
     findings = examine()

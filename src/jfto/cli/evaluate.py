@@ -10,8 +10,8 @@ import click
 from jfto.cli.options import debug_option, json_option, load, out_option, seed_option, set_option
 
 if TYPE_CHECKING:
-    from jfto.evaluation import Evaluated
-    from jfto.progress import Watcher
+    from jfto.console.progress import Watcher
+    from jfto.pipeline.evaluation import Evaluated
 
 
 @click.command("evaluate")
@@ -37,12 +37,12 @@ def command(
     \b
     Example:  jfto evaluate config/small.yaml config/wanglang.yaml -o comparison
     """
+    from jfto.analysis.export import comparison_object
     from jfto.cli.failure import EXIT_INFEASIBLE
-    from jfto.cli.summary import print_comparison, print_infeasible, print_json
-    from jfto.cli.watcher import TerminalWatcher
-    from jfto.evaluation import write_evaluation
-    from jfto.export import comparison_object
-    from jfto.stages.routes import is_clean
+    from jfto.console.summary import print_comparison, print_infeasible, print_json
+    from jfto.console.watcher import TerminalWatcher
+    from jfto.pipeline.evaluation import write_evaluation
+    from jfto.planning.routes import is_clean
 
     with TerminalWatcher(quiet=as_json) as watcher:
         done = [_evaluate(Path(name), seed, overrides, watcher) for name in inputs]
@@ -66,7 +66,7 @@ def command(
 def _evaluate(
     path: Path, seed: int | None, overrides: tuple[str, ...], watcher: Watcher
 ) -> Evaluated:
-    from jfto.evaluation import evaluate_plan_file, evaluate_scenario
+    from jfto.pipeline.evaluation import evaluate_plan_file, evaluate_scenario
 
     if path.suffix.lower() == ".json":
         if overrides or seed is not None:

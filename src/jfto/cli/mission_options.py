@@ -114,9 +114,9 @@ def build(
     `gates` are indices along the routes behind which all wait for their planned time, counted from
     `start_unix_s`.
     """
-    from jfto.run_directory import SCENARIO_NAME
-    from jfto.scenario_file import load_scenario
-    from jfto.stages.survey import load_ground
+    from jfto.pipeline.directory import SCENARIO_NAME
+    from jfto.planning.scenario_file import load_scenario
+    from jfto.planning.survey import load_ground
     from jfto_mavlink.errors import MissionError
     from jfto_mavlink.mission.as_planned import settings_for
     from jfto_mavlink.mission.build import build_missions

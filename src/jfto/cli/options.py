@@ -11,7 +11,7 @@ import click
 from jfto_msgs_py.scenario.mission import METHODS
 
 if TYPE_CHECKING:
-    from jfto.scenario_file import LoadedScenario
+    from jfto.planning.scenario_file import LoadedScenario
 
 Function = Callable[..., Any]
 
@@ -51,7 +51,7 @@ def load(
     method: str | None = None,
 ) -> LoadedScenario:
     """The scenario of a command line."""
-    from jfto.scenario_file import load_scenario
+    from jfto.planning.scenario_file import load_scenario
 
     seeding = () if seed is None else (f"search.seed={seed}",)
     choosing = () if method is None else (f"search.method={method}",)

@@ -50,11 +50,11 @@ def command(
     loaded = load(scenario, overrides, seed, method)
 
     from jfto.cli.failure import EXIT_INFEASIBLE, EXIT_INTERRUPTED
-    from jfto.cli.summary import plan_facts, print_infeasible, print_json
-    from jfto.cli.watcher import TerminalWatcher
-    from jfto.pipeline import save_plan
-    from jfto.stages.routes import is_clean, plan_routes
-    from jfto.stages.survey import survey
+    from jfto.console.summary import plan_facts, print_infeasible, print_json
+    from jfto.console.watcher import TerminalWatcher
+    from jfto.pipeline.run import save_plan
+    from jfto.planning.routes import is_clean, plan_routes
+    from jfto.planning.survey import survey
     from jfto_msgs_py.plan_file import read_plan
 
     earlier = None if warm_start is None else read_plan(warm_start)

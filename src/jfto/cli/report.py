@@ -24,10 +24,10 @@ def command(
     tracks, network and energy as planned and as flown. Its facts go to DIR/flight.json, which
     docs/flight.md describes.
     """
-    from jfto.as_flown.export import flight_facts_object
-    from jfto.cli.summary import print_json
-    from jfto.cli.watcher import TerminalWatcher
-    from jfto.pipeline import rebuild
+    from jfto.analysis.flight_file import flight_facts_object
+    from jfto.console.summary import print_json
+    from jfto.console.watcher import TerminalWatcher
+    from jfto.pipeline.run import rebuild
 
     with TerminalWatcher(quiet=as_json) as watcher:
         outcome = rebuild(directory, watcher)

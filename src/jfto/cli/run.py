@@ -20,10 +20,10 @@ from jfto.cli.options import (
 )
 
 if TYPE_CHECKING:
-    from jfto.cli.watcher import TerminalWatcher
     from jfto.conduct.flight_job import FlightEnd
-    from jfto.pipeline import Run
-    from jfto.scenario_file import LoadedScenario
+    from jfto.console.watcher import TerminalWatcher
+    from jfto.pipeline.run import Run
+    from jfto.planning.scenario_file import LoadedScenario
     from jfto.supervision.vehicles import Vehicles
 
 
@@ -89,11 +89,11 @@ def command(
     loaded = load(scenario, overrides, seed, method)
 
     from jfto.cli.failure import EXIT_INFEASIBLE, EXIT_INTERRUPTED
-    from jfto.cli.run_summary import print_run, run_status
-    from jfto.cli.watcher import TerminalWatcher
-    from jfto.pipeline import rebuild, run_all
-    from jfto.run_directory import make_run_directory, require_no_flight, what_is_kept
-    from jfto.stages.routes import is_clean
+    from jfto.console.run_summary import print_run, run_status
+    from jfto.console.watcher import TerminalWatcher
+    from jfto.pipeline.directory import make_run_directory, require_no_flight, what_is_kept
+    from jfto.pipeline.run import rebuild, run_all
+    from jfto.planning.routes import is_clean
 
     until, plan_file = choices["until"], choices["plan_file"]
     vehicles = None if until == "plan" else _vehicles(loaded, choices)
@@ -161,7 +161,7 @@ def _vehicles(loaded: LoadedScenario, choices: dict[str, Any]) -> Vehicles:
 def _plan(
     loaded: LoadedScenario, plan_file: Path | None, directory: Path, watcher: TerminalWatcher
 ) -> Run:
-    from jfto.pipeline import plan_only, take_plan
+    from jfto.pipeline.run import plan_only, take_plan
 
     if plan_file is not None:
         return take_plan(loaded, plan_file, directory, watcher)
@@ -176,11 +176,11 @@ def _fly(
     watcher: TerminalWatcher,
 ) -> FlightEnd:
     """Run the graph and conduct the flight; what came of it is said in the watcher's lines."""
-    from jfto.cli.run_summary import say_flight
     from jfto.conduct.flight_job import fly
     from jfto.conduct.operator import Terminal
     from jfto.conduct.prepare import prepare
     from jfto.conduct.settings import LANDED
+    from jfto.console.run_summary import say_flight
 
     ask = not (vehicles.simulated or choices["arm"] or choices["until"])
     job = prepare(loaded, run, vehicles, until=choices["until"] or LANDED, ask=ask)

@@ -45,7 +45,7 @@ def command(
     Example:  jfto train config/train_rl_tp.yaml --out training
               torchrun --nproc_per_node=2 -m jfto train config/train_rl_tp.yaml
     """
-    from jfto.training_file import read_training
+    from jfto.planning.training_file import read_training
 
     settings = read_training(config)
 

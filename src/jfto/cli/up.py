@@ -15,7 +15,7 @@ from jfto.cli.mission_options import PATH, key_option, roster_texts, speedup_opt
 from jfto.cli.options import debug_option, load, out_option, scenario_argument, set_option
 
 if TYPE_CHECKING:
-    from jfto.scenario_file import LoadedScenario
+    from jfto.planning.scenario_file import LoadedScenario
     from jfto.supervision.graph import GraphOptions
     from jfto.supervision.vehicles import Vehicles
 
@@ -117,7 +117,7 @@ def _graph(
     loaded: LoadedScenario, out: Path | None, plan_file: Path | None, choices: Mapping[str, Any]
 ) -> GraphOptions:
     """What is to run, in a directory that has its scenario and the plan, where one is given."""
-    from jfto.run_directory import PLAN_NAME, SCENARIO_NAME, write_scenario
+    from jfto.pipeline.directory import PLAN_NAME, SCENARIO_NAME, write_scenario
     from jfto.supervision.graph import GraphOptions
     from jfto.supervision.vehicles import Vehicles
     from jfto_msgs_py.plan_file import read_plan, write_plan

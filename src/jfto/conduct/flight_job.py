@@ -19,7 +19,7 @@ from jfto.conduct.seen import Seen
 from jfto.conduct.settings import ConductSettings
 from jfto.field.keeper import FieldKeeper
 from jfto.field.state import FieldState
-from jfto.run_directory import LOG_NAME
+from jfto.pipeline.directory import LOG_NAME
 from jfto.supervision.back_off import BackOffSettings
 from jfto.supervision.process import NodeCommand
 from jfto.supervision.supervisor import Death, Supervisor

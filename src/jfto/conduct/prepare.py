@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 from jfto.conduct.flight_job import FlightJob
 from jfto.conduct.settings import LANDED, ConductSettings
-from jfto.pipeline import Run
-from jfto.run_directory import SCENARIO_NAME
-from jfto.scenario_file import LoadedScenario
+from jfto.pipeline.directory import SCENARIO_NAME
+from jfto.pipeline.run import Run
+from jfto.planning.scenario_file import LoadedScenario
 from jfto.supervision.graph import GraphOptions, graph_commands
 from jfto.supervision.vehicles import Vehicles
 

@@ -20,7 +20,7 @@ from jfto.field.state import (
     LinkField,
     UavField,
 )
-from jfto.palette import uav_colour, uav_sign
+from jfto.report.palette import uav_colour, uav_sign
 
 GOOD, NOTE, BAD, SOFT = "green", "bold yellow", "bold red", "bright_black"
 # The palette's black is for paper.

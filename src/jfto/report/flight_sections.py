@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Mapping
 from html import escape
 
-from jfto.as_flown.facts import FlightFacts
-from jfto.as_flown.passages import VISITED_M
+from jfto.analysis.facts import FlightFacts
+from jfto.analysis.passages import VISITED_M
 from jfto.report.flight_tables import (
     certificate_table,
     energy_table,

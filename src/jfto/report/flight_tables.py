@@ -7,7 +7,7 @@ from html import escape
 
 import numpy as np
 
-from jfto.as_flown.facts import FlightFacts
+from jfto.analysis.facts import FlightFacts
 from jfto.report.tables import html_table, number, swatch
 from jfto_msgs_py.ros.events import ERROR, WARN
 from jfto_topology.metrics import average_hops

@@ -10,9 +10,9 @@ from html import escape
 from importlib import resources
 from typing import Any
 
-from jfto.as_flown.facts import FlightFacts
-from jfto.comparison import Comparison
-from jfto.flight_spread import Spread, spread_text
+from jfto.analysis.comparison import Comparison
+from jfto.analysis.facts import FlightFacts
+from jfto.analysis.flight_spread import Spread, spread_text
 from jfto.report.flight_sections import FLIGHT_CAPTIONS, flight_head, flight_section
 from jfto.report.scene import FLOWN, scene_data
 from jfto.report.tables import (

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jfto.as_flown.facts import FlightFacts
-from jfto.as_flown.grid import FINER
-from jfto.as_flown.record import Track
-from jfto.comparison import Comparison
-from jfto.figures.relief import drawn_extent, sampled_ground
-from jfto.flown import flown
-from jfto.palette import uav_colour
+from jfto.analysis.comparison import Comparison
+from jfto.analysis.facts import FlightFacts
+from jfto.analysis.grid import FINER
+from jfto.analysis.motion import flown
+from jfto.analysis.record import Track
+from jfto.report.figures.relief import drawn_extent, sampled_ground
+from jfto.report.palette import uav_colour
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.units import dbm_to_w, ratio_to_db
 from jfto_world.terrain import Dem

@@ -8,11 +8,11 @@ from html import escape
 
 import numpy as np
 
-from jfto.comparison import OURS, Comparison
-from jfto.export import active_text, paper_ratios, throughput_ratios
-from jfto.flight_spread import Spread
-from jfto.palette import uav_colour
-from jfto.paper import PAPER
+from jfto.analysis.comparison import OURS, Comparison
+from jfto.analysis.export import active_text, paper_ratios, throughput_ratios
+from jfto.analysis.flight_spread import Spread
+from jfto.analysis.paper import PAPER
+from jfto.report.palette import uav_colour
 from jfto_msgs_py.plan import Plan
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from jfto.cli import main
-from jfto.pipeline import Run
+from jfto.pipeline.run import Run
 
 _HEAD = "/**:\n  ros__parameters:\n"
 

@@ -11,7 +11,7 @@ import pytest
 
 from jfto.cli import main
 from jfto.cli.main import COMMANDS
-from jfto.pipeline import Run
+from jfto.pipeline.run import Run
 
 HEAVY = ("numpy", "scipy", "numba", "torch", "matplotlib", "rasterio", "yaml", "rich", "plotly")
 ROOT = Path(__file__).parents[3]

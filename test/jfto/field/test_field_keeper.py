@@ -9,7 +9,7 @@ import pytest
 
 from jfto.field.keeper import FieldKeeper
 from jfto.field.state import FLYING, HOLDING, LANDED, PAD, SILENT, UNHEARD, WARNING
-from jfto.pipeline import Run
+from jfto.pipeline.run import Run
 from jfto_msgs_py.network import Adjacency, SlotHorizon
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.ros.events import WARN, Event

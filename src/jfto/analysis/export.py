@@ -1,0 +1,200 @@
+"""Results as files and objects for other programs."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from typing import Any
+
+from jfto.analysis.comparison import ALGORITHMS, OURS, Comparison
+from jfto.analysis.paper import PAPER
+from jfto_msgs_py.certificate import Certificate
+from jfto_msgs_py.plan import Plan
+from jfto_planner.coverage import Coverage
+
+
+def comparison_object(plan: Plan, comparison: Comparison, scene: str) -> dict[str, Any]:
+    """The comparison as plain values; `inf` is written as null."""
+    return {
+        "scene": scene,
+        "scenario_hash": plan.scenario_hash,
+        "seed": plan.seed,
+        "n_dc": comparison.n_dc,
+        "algorithms": {
+            result.name: {
+                "traverses_all": result.traverses_all,
+                "connectivity_rate": result.linked.connectivity_rate,
+                "throughput_mbps": result.linked.mean_throughput_mbps,
+                "hops": _finite(result.linked.hops),
+                "active_links": {
+                    "connectivity_rate": result.active.connectivity_rate,
+                    "throughput_mbps": result.active.mean_throughput_mbps,
+                    "hops": _finite(result.active.hops),
+                },
+                "degree_min": int(result.degree.min()),
+                "degree_mean": float(result.degree.mean()),
+                "degree_max": int(result.degree.max()),
+                "energy_j": result.energy_j.tolist(),
+                "paper": _paper_object(scene, result.name),
+            }
+            for result in comparison.results
+        },
+        "throughput_ratios": throughput_ratios(comparison),
+        "notes": list(comparison.notes),
+    }
+
+
+def throughput_ratios(comparison: Comparison) -> dict[str, float]:
+    """C-TOP's throughput over each baseline's."""
+    ours = comparison.ours.linked.mean_throughput_mbps
+    return {
+        result.name: ours / result.linked.mean_throughput_mbps
+        for result in comparison.results
+        if result.name != OURS and result.linked.mean_throughput_mbps > 0
+    }
+
+
+def active_text(comparison: Comparison) -> str:
+    """What C-TOP's active links alone are worth, in one sentence."""
+    active = comparison.ours.active
+    return (
+        "A link is any pair that hears each other, for all algorithms alike. C-TOP's active links "
+        f"alone carry {active.mean_throughput_mbps:.0f} Mb/s, with ξ "
+        f"{100 * active.connectivity_rate:.1f} % and {active.hops:.2f} hops."
+    )
+
+
+def paper_ratios(scene: str) -> dict[str, float]:
+    """The same ratios in the paper; empty for a scene that it does not have."""
+    rows = PAPER.get(scene)
+    if rows is None:
+        return {}
+    return {name: rows[OURS].throughput / rows[name].throughput for name in ALGORITHMS[:-1]}
+
+
+def comparison_csv(rows: list[tuple[str, Comparison]]) -> str:
+    """One line per scene and algorithm, ours and the paper's."""
+    table = io.StringIO()
+    writer = csv.writer(table, lineterminator="\n")
+    writer.writerow(
+        [
+            "scene",
+            "algorithm",
+            "traverses_all",
+            "connectivity_rate",
+            "throughput_mbps",
+            "hops",
+            "degree_min",
+            "degree_mean",
+            "degree_max",
+            "energy_j",
+            "paper_traverses_all",
+            "paper_connectivity_rate",
+            "paper_throughput_mbps",
+            "paper_hops",
+        ]
+    )
+    for scene, comparison in rows:
+        for result in comparison.results:
+            paper = PAPER.get(scene, {}).get(result.name)
+            theirs: list[object] = ["", "", "", ""]
+            if paper is not None:
+                hops = "" if paper.hops is None else paper.hops
+                theirs = [paper.traverses_all, paper.connectivity_rate, paper.throughput, hops]
+            writer.writerow(
+                [
+                    scene,
+                    result.name,
+                    result.traverses_all,
+                    f"{result.linked.connectivity_rate:.6f}",
+                    f"{result.linked.mean_throughput_mbps:.3f}",
+                    f"{result.linked.hops:.4f}",
+                    result.degree.min(),
+                    f"{result.degree.mean():.4f}",
+                    result.degree.max(),
+                    f"{result.energy_j.sum():.3f}",
+                    *theirs,
+                ]
+            )
+    return table.getvalue()
+
+
+def slots_csv(plan: Plan, comparison: Comparison) -> str:
+    """One line per slot: time, then throughput and degrees of every algorithm."""
+    table = io.StringIO()
+    writer = csv.writer(table, lineterminator="\n")
+    columns = ("throughput_mbps", "degree_min", "degree_mean", "degree_max")
+    writer.writerow(
+        [
+            "slot",
+            "time_s",
+            *(f"{r.name} {column}" for r in comparison.results for column in columns),
+        ]
+    )
+    for slot, time in enumerate(plan.slots.times_s):
+        row: list[object] = [slot, f"{time:.3f}"]
+        for result in comparison.results:
+            degree = result.degree[slot]
+            row += [
+                f"{result.linked.throughput_bps[slot] / 1e6:.3f}",
+                degree.min(),
+                f"{degree.mean():.3f}",
+                degree.max(),
+            ]
+        writer.writerow(row)
+    return table.getvalue()
+
+
+def certificate_object(certificate: Certificate) -> dict[str, Any]:
+    """The figures of a certificate and its violations as plain values."""
+    return {
+        "clean": certificate.clean,
+        "slot_checks": certificate.slot_checks,
+        "slot_violations": certificate.slot_violations,
+        "fine_violations": certificate.fine_violations,
+        "worst_margin_db": _finite(certificate.worst_margin_db),
+        "worst_margin_uav": certificate.worst_margin_uav,
+        "worst_margin_slot": _finite(certificate.worst_margin_slot),
+        "worst_separation_m": _finite(certificate.worst_separation_m),
+        "energy_floor_j": [_finite(value) for value in certificate.energy_floor_j],
+        "violations": [violation.message for violation in certificate.violations],
+    }
+
+
+def coverage_object(coverage: Coverage) -> dict[str, Any]:
+    """The figures of a coverage certificate and what had to be changed."""
+    certificate = coverage.certificate
+    return {
+        "waypoints": len(coverage.waypoints),
+        "seen_once": certificate.seen_once,
+        "seen_twice": certificate.seen_twice,
+        "gsd_mean_cm": 100 * certificate.gsd_mean_m,
+        "gsd_std_cm": 100 * certificate.gsd_std_m,
+        "gsd_p05_cm": 100 * certificate.gsd_p05_m,
+        "gsd_p95_cm": 100 * certificate.gsd_p95_m,
+        "incidence_mean_deg": certificate.incidence_mean_deg,
+        "incidence_p95_deg": certificate.incidence_p95_deg,
+        "distance_m": coverage.distance_m,
+        "footprint_m": list(coverage.footprint_m),
+        "notes": [
+            {"action": note.action, "waypoint": note.waypoint_id, "reason": note.reason}
+            for note in coverage.notes
+        ],
+    }
+
+
+def _paper_object(scene: str, algorithm: str) -> dict[str, Any] | None:
+    row = PAPER.get(scene, {}).get(algorithm)
+    if row is None:
+        return None
+    return {
+        "traverses_all": row.traverses_all,
+        "connectivity_rate": row.connectivity_rate,
+        "throughput_mbps": row.throughput,
+        "hops": None if row.hops is None else _finite(row.hops),
+    }
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None

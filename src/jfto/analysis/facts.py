@@ -1,0 +1,141 @@
+"""A flight held against its plan: everything that a report says of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from jfto.analysis.causes import Explainer
+from jfto.analysis.certificate import FlownCertificate, FlownException, flown_certificate
+from jfto.analysis.comparison import AlgorithmResult
+from jfto.analysis.endings import LANDED, Ending, endings_of
+from jfto.analysis.energy import EnergyUse, energy_use
+from jfto.analysis.grid import FINER, FlownGrid, flown_grid
+from jfto.analysis.network import FlownNetwork, PlannedAgainstFlown, against_plan, flown_network
+from jfto.analysis.passages import Passage, finished_s, passages_of
+from jfto.analysis.planned import PlannedFlight, planned_flight
+from jfto.analysis.record import RecordedFlight
+from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.types import Array
+from jfto_world.terrain import Dem
+
+# A flight with this share of clean slots is called good; every other slot is explained.
+CLEAN_SHARE = 0.99
+
+
+@dataclass(frozen=True, eq=False)
+class FlightFacts:
+    """`end_s` is when the last waypoint was passed, seconds after lift-off; `planned` is C-TOP's
+    result at the desk, `desk` the flight as planned.
+    """
+
+    plan: Plan
+    planned: AlgorithmResult
+    desk: PlannedFlight
+    flight: RecordedFlight
+    grid: FlownGrid
+    end_s: float
+    passages: tuple[Passage, ...]
+    certificate: FlownCertificate
+    network: FlownNetwork
+    throughput: PlannedAgainstFlown
+    energy: tuple[EnergyUse, ...]
+    endings: tuple[Ending, ...]
+
+    @property
+    def good(self) -> bool:
+        """All waypoints visited, all landed, no energy overdrawn, as good as all slots clean."""
+        return (
+            self.visited == len(self.passages)
+            and all(one.how == LANDED for one in self.endings)
+            and not any(one.overdraft_j > 0 for one in self.energy)
+            and self.certificate.clean_share >= CLEAN_SHARE
+        )
+
+    @property
+    def visited(self) -> int:
+        """Waypoints that were passed closely enough."""
+        return sum(one.visited for one in self.passages)
+
+    @property
+    def worst_late_s(self) -> float:
+        """The timing error of greatest size over all waypoints visited, 0 without any."""
+        late = [one.late_s for one in self.passages if one.visited and one.late_s is not None]
+        return max(late, key=abs, default=0.0)
+
+    @property
+    def worst_closest_m(self) -> float:
+        """The greatest distance at which a waypoint was passed."""
+        return max((one.closest_m for one in self.passages), default=0.0)
+
+
+def facts_of(
+    flight: RecordedFlight,
+    plan: Plan,
+    planned: AlgorithmResult,
+    dem: Dem,
+    *,
+    n_dc: int,
+    clearance_m: float,
+) -> FlightFacts:
+    """Hold a flight against its plan.
+
+    `clearance_m` is the least height over the terrain away from the pads. Raises InputError where
+    the record holds no pose after lift-off.
+    """
+    passages = passages_of(flight, plan)
+    done = finished_s(passages)
+    end_s = max(done.values(), default=plan.slots.horizon_s)
+    grid = flown_grid(flight, plan, end_s)
+    if grid.slots < plan.slots.count:
+        short = f"the record ends in slot {grid.slots} of {plan.slots.count}"
+        flight = replace(flight, notes=(*flight.notes, short))
+    certificate = flown_certificate(plan, grid, _heights(grid, dem), clearance_m)
+    energy = energy_use(flight, plan, planned, float(grid.times_s[-1]))
+    desk = planned_flight(plan)
+    explainer = Explainer(plan, flight, grid, passages, desk)
+    exceptions = [*certificate.exceptions, *_overdrafts(energy, grid)]
+    certificate = replace(
+        certificate, exceptions=tuple(explainer.explained(one) for one in exceptions)
+    )
+    network = flown_network(flight, plan, grid, n_dc)
+    return FlightFacts(
+        plan=plan,
+        planned=planned,
+        desk=desk,
+        flight=flight,
+        grid=grid,
+        end_s=end_s,
+        passages=passages,
+        certificate=certificate,
+        network=network,
+        throughput=against_plan(planned, network),
+        energy=energy,
+        endings=endings_of(flight, plan, end_s),
+    )
+
+
+def _heights(grid: FlownGrid, dem: Dem) -> Array:
+    """Height over the terrain (T, A), nan where a UAV was never seen or is beyond the DEM."""
+    east, north, up = np.moveaxis(grid.position_m, 2, 0)
+    half_east, half_north = dem.half_extent_m
+    with np.errstate(invalid="ignore"):
+        inside = (np.abs(east) <= half_east) & (np.abs(north) <= half_north)
+    ground = dem.height(np.where(inside, east, 0.0), np.where(inside, north, 0.0))
+    return np.where(inside, up - ground, np.nan)
+
+
+def _overdrafts(energy: tuple[EnergyUse, ...], grid: FlownGrid) -> list[FlownException]:
+    found = []
+    last = (len(grid.times_s) - 1) / FINER
+    for one in energy:
+        if one.overdraft_j > 0:
+            message = f"{one.uav} used {one.used_j:.1f} J for transmitting and had {one.budget_j:g}"
+            end_s = float(grid.times_s[-1])
+            found.append(
+                FlownException(
+                    "energy", one.uav, last, last, end_s, one.used_j, one.budget_j, None, message
+                )
+            )
+    return found

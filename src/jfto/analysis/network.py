@@ -1,0 +1,117 @@
+"""What the network carried, slot by slot, as planned and as flown."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jfto.analysis.comparison import AlgorithmResult
+from jfto.analysis.grid import FlownGrid
+from jfto.analysis.record import RecordedFlight
+from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.types import Array, Flags
+from jfto_msgs_py.units import dbm_to_w
+from jfto_topology.metrics import average_hops, connectivity_rate, slot_throughput
+from jfto_topology.metrics.hops import hop_counts
+from jfto_world.radio import degrees, make_channel, mutual_links, pairwise_distances
+
+MEASURED = "measured by the simulated air"
+COMPUTED = "computed by the plan's radio model from measured positions and powers in force"
+
+
+@dataclass(frozen=True, eq=False)
+class FlownNetwork:
+    """Links as flown; slots n = 0 … M on axis 0, M being those flown.
+
+    `links` (M + 1, A, A) are the pairs that heard each other in the middle of a slot at the powers
+    in force then, `power_w` (M + 1, A) and `gain` (M + 1, A, A) those of that instant;
+    `throughput_bps` (M + 1,) is the mean over each slot. `connectivity_rate` is ξ and `hops` the
+    mean shortest path, inf where some slot was disconnected; `linked_hops` leaves those slots'
+    unreachable pairs out. `source` is MEASURED or COMPUTED.
+    """
+
+    links: Flags
+    power_w: Array
+    gain: Array
+    throughput_bps: Array
+    connectivity_rate: float
+    hops: float
+    linked_hops: float
+    source: str
+
+    @property
+    def degree(self) -> NDArray[np.int64]:
+        """Neighbours per slot and UAV, (M + 1, A)."""
+        return degrees(self.links)
+
+    @property
+    def mean_throughput_mbps(self) -> float:
+        """Mb/s, mean over slots 1 … M."""
+        return float(self.throughput_bps[1:].mean() / 1e6)
+
+
+def flown_network(flight: RecordedFlight, plan: Plan, grid: FlownGrid, n_dc: int) -> FlownNetwork:
+    """Links and throughput as the air reported them, else by the plan's model."""
+    power_w = _powers(flight, grid)
+    channel = make_channel(plan.radio)
+    gain = channel.gain(pairwise_distances(np.nan_to_num(grid.position_m)))
+    linked = mutual_links(gain, power_w, float(dbm_to_w(plan.radio.sensitivity_dbm)))
+    linked &= grid.present[:, :, None] & grid.present[:, None, :]
+    throughput = slot_throughput(linked, gain, power_w, plan.radio)
+    source = COMPUTED
+    rates = flight.air.get("rate")
+    if rates is not None:
+        rate = rates.at(grid.times_s)
+        linked = (rate > 0) & (np.swapaxes(rate, 1, 2) > 0)
+        throughput = np.where(linked, rate, 0.0).sum(axis=(1, 2)) / 2
+        source = MEASURED
+    middles = grid.middles
+    links = np.ascontiguousarray(linked[middles])
+    on_air = grid.present[middles] & (power_w[middles] > 0)
+    return FlownNetwork(
+        links=links,
+        power_w=power_w[middles],
+        gain=gain[middles],
+        throughput_bps=grid.by_slot(throughput),
+        connectivity_rate=connectivity_rate(links, min(n_dc, grid.slots), on_air),
+        hops=average_hops(links),
+        linked_hops=_linked_hops(links),
+        source=source,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class PlannedAgainstFlown:
+    """Mean throughput in Mb/s over the slots that plan and flight share, and their ratio."""
+
+    planned_mbps: float
+    achieved_mbps: float
+
+    @property
+    def ratio(self) -> float:
+        """Achieved over planned; nan where nothing was planned."""
+        return self.achieved_mbps / self.planned_mbps if self.planned_mbps else float("nan")
+
+
+def against_plan(planned: AlgorithmResult, network: FlownNetwork) -> PlannedAgainstFlown:
+    """Means over slots 1 … N, or those of them that are on record."""
+    count = min(len(planned.linked.throughput_bps), len(network.throughput_bps))
+    wanted = planned.linked.throughput_bps[1:count]
+    got = network.throughput_bps[1:count]
+    return PlannedAgainstFlown(float(wanted.mean() / 1e6), float(got.mean() / 1e6))
+
+
+def _powers(flight: RecordedFlight, grid: FlownGrid) -> Array:
+    """Powers in force at each instant, (T, A)."""
+    air = flight.air.get("power")
+    if air is not None:
+        return air.at(grid.times_s)
+    return np.stack([flight.powers[uav].at(grid.times_s) for uav in flight.uav_ids], axis=1)
+
+
+def _linked_hops(links: Flags) -> float:
+    hops = hop_counts(np.ascontiguousarray(links))
+    reached = hops > 0
+    return float(hops[reached].mean()) if reached.any() else float("inf")

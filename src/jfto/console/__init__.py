@@ -1,0 +1,1 @@
+"""All that a terminal shows of a run: lines, bars and results."""

@@ -1,0 +1,1 @@
+"""The whole job in one directory: terrain to report, stage by stage."""

@@ -1,0 +1,82 @@
+"""The directory of one run: what lies in it and how it gets there."""
+
+from __future__ import annotations
+
+import dataclasses
+from datetime import datetime, timezone
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from jfto.planning.scenario_file import SHARED, LoadedScenario
+from jfto.planning.survey import BUILT_IN_DEM
+from jfto.supervision.graph import BAG_NAME, ENERGY_NAME, FLIGHT_NAME, LIFT_OFF_NAME
+from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.write_file import write_file
+
+SCENARIO_NAME = "scenario.yaml"
+PLAN_NAME = "plan.json"
+INFEASIBLE_NAME = "plan.infeasible.json"
+COVERAGE_NAME = "coverage.json"
+REPORT_NAME = "report.html"
+LOG_NAME = "log.txt"
+FIGURES = "figures"
+
+
+def make_run_directory(out: Path | None) -> Path:
+    """Create the directory for a run: `out`, or run-<UTC stamp>; raises InputError."""
+    if out is None:
+        stamp = datetime.now(timezone.utc).strftime("%Y%m%dT%H%M%SZ")
+        out = Path(f"run-{stamp}")
+    if out.exists() and not out.is_dir():
+        raise InputError(f"{out}: is a file. Name a directory with --out.")
+    try:
+        (out / FIGURES).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"{out}: cannot be made: {error.strerror}. Name another place with --out."
+        ) from None
+    return out
+
+
+def require_no_flight(directory: Path) -> None:
+    """Refuse a directory that a flight was recorded in; raises InputError."""
+    for name in (BAG_NAME, LIFT_OFF_NAME, ENERGY_NAME, FLIGHT_NAME):
+        if (directory / name).exists():
+            raise InputError(
+                f"{directory}: holds a flight already ({name}). Name another directory with --out; "
+                f"--plan {directory / PLAN_NAME} flies its plan again."
+            )
+
+
+def what_is_kept(directory: Path) -> str:
+    """What an interrupted run leaves, and how to go on from there."""
+    for name, words in ((PLAN_NAME, "The best plan so far"), (INFEASIBLE_NAME, "The closest plan")):
+        if (directory / name).exists():
+            return (
+                f"{words} is kept: {directory / name}. "
+                f"Finish the report with: jfto report {directory}"
+            )
+    return f"There was no plan yet; {directory} holds the scenario only."
+
+
+def write_scenario(loaded: LoadedScenario, path: Path) -> None:
+    """Write the resolved scenario, files named by absolute paths, so that it stands alone."""
+    scenario = loaded.scenario
+    terrain, waypoints = scenario.terrain, scenario.waypoints
+    if terrain.source != BUILT_IN_DEM:
+        terrain = dataclasses.replace(terrain, source=str(loaded.resolve(terrain.source).resolve()))
+    if waypoints.file:
+        waypoints = dataclasses.replace(
+            waypoints, file=str(loaded.resolve(waypoints.file).resolve())
+        )
+    values = dataclasses.replace(scenario, terrain=terrain, waypoints=waypoints).values()
+    nested: dict[str, dict[str, Any]] = {}
+    for name, value in values.items():
+        part, key = name.split(".", 1)
+        # ROS parameter files have no empty lists: a key that is left out has its default.
+        if value != ():
+            nested.setdefault(part, {})[key] = list(value) if isinstance(value, tuple) else value
+    text = yaml.safe_dump({SHARED: {"ros__parameters": nested}}, sort_keys=False, width=100)
+    write_file(path, f"# Resolved from {loaded.path.name}: every key, no default left out.\n{text}")

@@ -1,0 +1,120 @@
+"""First stage: the ground, and the waypoints over it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from jfto.console.progress import Watcher
+from jfto.planning.scenario_file import LoadedScenario
+from jfto_msgs_py.errors import TerrainError, WaypointError
+from jfto_msgs_py.plan import Waypoint
+from jfto_msgs_py.scenario.camera import CameraPart, CoveragePart
+from jfto_planner.coverage import (
+    Camera,
+    Coverage,
+    CoverageSettings,
+    plan_coverage,
+    random_waypoints,
+    read_waypoints,
+)
+from jfto_world.terrain import Dem, load_dem
+
+BUILT_IN_DEM = "jacksboro"
+
+
+@dataclass(frozen=True)
+class Survey:
+    """Ground and waypoints; `coverage` is None where the waypoints were not computed."""
+
+    dem: Dem
+    waypoints: tuple[Waypoint, ...]
+    coverage: Coverage | None
+
+
+def load_ground(loaded: LoadedScenario) -> Dem:
+    """Elevation model of a scenario; raises TerrainError."""
+    terrain = loaded.scenario.terrain
+    source: str | Path = terrain.source
+    if source != BUILT_IN_DEM:
+        source = loaded.resolve(terrain.source)
+    center = (terrain.center_deg[0], terrain.center_deg[1]) if terrain.center_deg else None
+    try:
+        return load_dem(
+            source,
+            center=center,
+            size_m=(terrain.size_m[0], terrain.size_m[1]),
+            zero_is_void=terrain.zero_is_void,
+        )
+    except TerrainError as error:
+        raise TerrainError(f"{loaded.path}: terrain: {error}") from None
+
+
+def survey(loaded: LoadedScenario, watcher: Watcher) -> Survey:
+    """Waypoints of a scenario over its ground; raises InputError or InfeasibleError."""
+    watcher.begin("coverage", "reading terrain")
+    dem = load_ground(loaded)
+    wanted = loaded.scenario.waypoints
+    if wanted.source == "coverage":
+        watcher.begin("coverage", "placing cameras, casting rays")
+        coverage = plan_coverage(
+            dem,
+            make_camera(loaded.scenario.camera, loaded.scenario.coverage),
+            make_settings(loaded.scenario.coverage),
+            progress=watcher.advance,
+        )
+        found = Survey(dem, coverage.waypoints, coverage)
+        watcher.end("coverage", f"{len(found.waypoints)} waypoints", _proof(coverage))
+        return found
+    if wanted.source == "file":
+        try:
+            waypoints = read_waypoints(loaded.resolve(wanted.file), dem)
+        except WaypointError as error:
+            raise WaypointError(f"{loaded.path}: waypoints.file: {error}") from None
+        origin = f"read from {wanted.file}"
+    else:
+        rng = np.random.default_rng(wanted.seed)
+        waypoints = random_waypoints(wanted.source, wanted.count, dem, wanted.height_m, rng)
+        origin = f"{wanted.source} distribution, seed {wanted.seed}"
+    watcher.end("coverage", f"{len(waypoints)} waypoints", origin)
+    return Survey(dem, waypoints, None)
+
+
+def make_camera(camera: CameraPart, coverage: CoveragePart) -> Camera:
+    """The planner's camera of a scenario."""
+    width_px, height_px = camera.image_px
+    if camera.footprint_m:
+        width_m, height_m = camera.footprint_m
+        return Camera.from_footprint(width_m, height_m, coverage.distance_m, width_px, height_px)
+    width_mm, height_mm = camera.sensor_mm
+    return Camera(width_mm, height_mm, camera.focal_length_mm, width_px, height_px)
+
+
+def make_settings(coverage: CoveragePart) -> CoverageSettings:
+    """The planner's coverage settings of a scenario."""
+    given = coverage.distance_m > 0
+    return CoverageSettings(
+        overlap_h=coverage.overlap_h,
+        overlap_v=coverage.overlap_v,
+        distance_m=coverage.distance_m if given else None,
+        gsd_m=None if given else coverage.gsd_cm / 100,
+        min_height_m=coverage.height_min_m,
+        clearance_radius_m=coverage.clearance_radius_m,
+        gimbal_pitch_min_deg=coverage.pitch_min_deg,
+        gimbal_pitch_max_deg=coverage.pitch_max_deg,
+        fill_gaps=coverage.fill_gaps,
+    )
+
+
+def _proof(coverage: Coverage) -> str:
+    certificate = coverage.certificate
+    spread = 100 * certificate.gsd_std_m / certificate.gsd_mean_m
+    changed = sum(note.action != "added" for note in coverage.notes)
+    return (
+        f"{100 * certificate.seen_once:.1f} % of the area seen, "
+        f"{100 * certificate.seen_twice:.1f} % twice, "
+        f"{100 * certificate.gsd_mean_m:.1f} cm/px ± {spread:.0f} %"
+        + (f", {changed} moved or dropped" if changed else "")
+    )

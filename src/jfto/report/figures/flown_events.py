@@ -1,0 +1,90 @@
+"""What happened when, and to whom."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from jfto.analysis.facts import FlightFacts
+from jfto.report.figures.style import PAGE_WIDTH_IN, TROUBLE_COLOUR, new_figure, styled
+from jfto.report.palette import uav_colour
+from jfto_msgs_py.ros.events import ERROR, WARN
+
+_MARKS = {
+    "note": ("o", "#777777", 4),
+    "warning": ("^", "#E69F00", 6),
+    "error": ("X", TROUBLE_COLOUR, 7),
+}
+_ROW_IN = 0.24
+_MOST_LABELS = 14
+
+
+@styled
+def flown_events(facts: FlightFacts) -> Figure:
+    """A row per UAV and one for the fleet: flight, waypoints, events and exceptions over time."""
+    ids = facts.flight.uav_ids
+    rows = {uav: len(ids) - index for index, uav in enumerate(ids)} | {"": 0}
+    figure = new_figure(PAGE_WIDTH_IN, _ROW_IN * (len(ids) + 1) + 1.3)
+    axes = figure.add_subplot()
+    for index, uav in enumerate(ids):
+        track = facts.flight.tracks[uav]
+        if track.times_s.size:
+            axes.hlines(
+                rows[uav], max(track.times_s[0], 0.0), track.times_s[-1],
+                color=uav_colour(index), linewidth=2.5, alpha=0.35,
+            )  # fmt: skip
+        mine = [one for one in facts.passages if one.uav == uav and one.visited]
+        reached = [one.reached_s for one in mine if one.reached_s is not None]
+        axes.plot(
+            reached, np.full(len(reached), rows[uav]), "|", color=uav_colour(index), markersize=6
+        )
+    for one in facts.certificate.exceptions:
+        begin = one.time_s
+        length = max((one.last_slot - one.first_slot) * facts.plan.slots.duration_s, 0.5)
+        for uav in one.uav.split("+"):
+            axes.broken_barh(
+                [(begin, length)], (rows.get(uav, 0) - 0.38, 0.76), color=TROUBLE_COLOUR, alpha=0.3
+            )
+    _events(axes, facts, rows)
+    axes.set_yticks(list(rows.values()), [uav or "fleet" for uav in rows])
+    axes.set_ylim(-0.7, len(ids) + 0.7)
+    axes.set_xlim(left=min(0.0, _first_s(facts)))
+    axes.set_xlabel("Time after lift-off (s)")
+    axes.axvline(facts.end_s, color="black", linewidth=0.6, linestyle=(0, (5, 1.5)))
+    axes.annotate(
+        "last waypoint", (facts.end_s, 1.0), xycoords=("data", "axes fraction"), xytext=(2, 2),
+        textcoords="offset points", fontsize=6.5, va="bottom", annotation_clip=False,
+    )  # fmt: skip
+    handles = [
+        axes.plot([], [], mark, color=colour, markersize=size, linestyle="none", label=word)[0]
+        for word, (mark, colour, size) in _MARKS.items()
+    ]
+    figure.legend(handles=handles, loc="outside upper center", ncols=3)
+    return figure
+
+
+def _first_s(facts: FlightFacts) -> float:
+    return min((facts.flight.seconds(event.stamp_ns) for event in facts.flight.events), default=0.0)
+
+
+def _events(axes: object, facts: FlightFacts, rows: dict[str, int]) -> None:
+    """Markers, the graver over the others, and the kinds of the gravest in words."""
+    graded = [
+        ("error" if e.level >= ERROR else "warning" if e.level >= WARN else "note", e)
+        for e in facts.flight.events
+    ]
+    for word, (mark, colour, size) in _MARKS.items():
+        these = [event for level, event in graded if level == word]
+        axes.plot(  # type: ignore[attr-defined]
+            [facts.flight.seconds(event.stamp_ns) for event in these],
+            [rows.get(event.uav_id, 0) for event in these],
+            mark, color=colour, markersize=size, linestyle="none", markeredgecolor="white",
+            markeredgewidth=0.5, zorder=5,
+        )  # fmt: skip
+    named = [event for level, event in graded if level != "note"][:_MOST_LABELS]
+    for event in named:
+        axes.annotate(  # type: ignore[attr-defined]
+            event.kind.replace("_", " "),
+            (facts.flight.seconds(event.stamp_ns), rows.get(event.uav_id, 0)),
+            xytext=(5, 3), textcoords="offset points", fontsize=6, zorder=6,
+        )  # fmt: skip

@@ -1,0 +1,83 @@
+"""One look for all figures: colours, markers, sizes and how they are saved."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+
+from jfto.report.palette import UAV_COLOURS
+
+UAV_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
+UAV_DASHES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)))
+ALGORITHM_STYLES: dict[str, dict[str, Any]] = {
+    "MTP": {"color": "#555555", "linestyle": (0, (5, 1.5)), "marker": "s"},
+    "A-LMST": {"color": "#E69F00", "linestyle": (0, (1.5, 1.2)), "marker": "^"},
+    "CPAPO": {"color": "#009E73", "linestyle": (0, (6, 1.5, 1.5, 1.5)), "marker": "D"},
+    "C-TOP": {"color": "#0072B2", "linestyle": "-", "marker": "o"},
+}
+PLANNED_STYLE: dict[str, Any] = {"color": "#777777", "linestyle": (0, (5, 1.5)), "linewidth": 1.2}
+FLOWN_STYLE: dict[str, Any] = {"color": "#0072B2", "linestyle": "-", "linewidth": 1.4}
+# What broke a rule, on maps and over time.
+TROUBLE_COLOUR = "#A50034"
+COLUMN_WIDTH_IN = 3.5
+PAGE_WIDTH_IN = 7.16
+_SETTINGS: Any = {
+    "font.size": 8,
+    "font.family": "DejaVu Sans",
+    "axes.titlesize": 8,
+    "axes.labelsize": 8,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "xtick.labelsize": 7,
+    "ytick.labelsize": 7,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "legend.fontsize": 7,
+    "legend.frameon": False,
+    "lines.linewidth": 1.2,
+    "figure.constrained_layout.use": True,
+    "pdf.fonttype": 42,
+}
+
+
+def uav_marker(index: int) -> str:
+    """Marker of a UAV, so that colour is never the only sign."""
+    return UAV_MARKERS[index % len(UAV_MARKERS)]
+
+
+def uav_marker_size(index: int, size: float) -> float:
+    """Marker size at which the UAV's marker looks as large as the others."""
+    return size * (1.45 if uav_marker(index) == "*" else 1.0)
+
+
+def uav_dash(index: int) -> Any:
+    """Line style of a UAV; changes once the colours are used up."""
+    return UAV_DASHES[index // len(UAV_COLOURS) % len(UAV_DASHES)]
+
+
+def new_figure(width_in: float, height_in: float, **options: Any) -> Figure:
+    """Empty figure of a given size in inches, in the common style."""
+    with mpl.rc_context(_SETTINGS):
+        return Figure(figsize=(width_in, height_in), **options)
+
+
+def styled(function: Any) -> Any:
+    """Draw inside the common style: matplotlib reads its settings when artists are made."""
+
+    def wrapped(*args: Any, **kwargs: Any) -> Figure:
+        with mpl.rc_context(_SETTINGS):
+            return function(*args, **kwargs)
+
+    wrapped.__doc__ = function.__doc__
+    wrapped.__name__ = function.__name__
+    return wrapped
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write `path`.png for the screen and `path`.pdf for print, the same bytes each time."""
+    figure.savefig(path.with_suffix(".png"), dpi=220, metadata={"Software": None})
+    figure.savefig(path.with_suffix(".pdf"), metadata={"CreationDate": None})

@@ -1,1 +1,0 @@
-"""The stages of the pipeline, each from records to records."""
