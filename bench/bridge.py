@@ -16,12 +16,12 @@ import time
 
 import numpy as np
 
-from jfto_mavlink.bridge import Bridge
-from jfto_mavlink.command import request_message
 from jfto_mavlink.dialect import mavlink
-from jfto_mavlink.exchange import Context, Exchange
-from jfto_mavlink.link.free_port import free_udp_port
-from jfto_mavlink.roster import parse_roster
+from jfto_mavlink.fleet.link import FleetLink
+from jfto_mavlink.fleet.roster import parse_roster
+from jfto_mavlink.io.address import free_udp_port
+from jfto_mavlink.protocol.command import request_message
+from jfto_mavlink.protocol.exchange import Context, Exchange
 
 SERVER = """
 import sys
@@ -52,7 +52,7 @@ def main() -> int:
     roster = parse_roster([f"{name}={n}@udpin:127.0.0.1:{port}" for n, name in enumerate(names, 1)])
     server = subprocess.Popen([sys.executable, "-c", SERVER, str(options.vehicles), str(port)])
     try:
-        with Bridge(roster) as bridge:
+        with FleetLink(roster) as bridge:
             bridge.wait_heard(30.0)
             time.sleep(3.0)
             counters = bridge.ports[0].counters

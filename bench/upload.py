@@ -20,9 +20,9 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "test"))
 
-from jfto_mavlink.fleet.release import FleetDelivery, deliver_to_fleet
-from jfto_mavlink.mission.item import Item, Mission
+from jfto_mavlink.fleet.fly import FleetDelivery, deliver_to_fleet
 from jfto_mavlink.mission.stored import stored
+from jfto_mavlink.protocol.item import Item, Mission
 from jfto_sim import LinkFaults, Vehicle, VehicleConfig
 from support.rehearsal import Rehearsal
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from jfto_mavlink.bridge import Bridge
+from jfto_mavlink.fleet.link import FleetLink
 from jfto_mavlink.open_vehicles import FleetRequest
 
 
 @contextmanager
-def open_simulated(request: FleetRequest) -> Iterator[Bridge]:
+def open_simulated(request: FleetRequest) -> Iterator[FleetLink]:
     """Simulated vehicles on the plan's pads, heard; raises RosterError."""
     # A bridge to real vehicles, started again in mid-flight, has no time to import a simulator.
     from jfto.fleet_session import open_fleet
@@ -23,5 +23,5 @@ def open_simulated(request: FleetRequest) -> Iterator[Bridge]:
         on_event=request.on_event,
         rates=request.rates,
     ) as session:
-        assert isinstance(session.runner, Bridge)
+        assert isinstance(session.runner, FleetLink)
         yield session.runner

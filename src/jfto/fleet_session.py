@@ -9,17 +9,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from jfto.simulated_fleet import PadGround, Place, vehicle_configs
-from jfto_mavlink.bridge import Bridge
-from jfto_mavlink.clock import Clock, ScaledClock
 from jfto_mavlink.errors import RosterError
-from jfto_mavlink.fleet.release import Runner
-from jfto_mavlink.link.address import parse_address
-from jfto_mavlink.link.free_port import free_udp_port
-from jfto_mavlink.link.key_file import StampFile, read_key
-from jfto_mavlink.link.signing import Signer
-from jfto_mavlink.roster import Roster, RosterEntry, parse_roster
-from jfto_mavlink.streams import DEFAULT_RATES
-from jfto_mavlink.watch import Event
+from jfto_mavlink.fleet.changes import Event
+from jfto_mavlink.fleet.fly import Runner
+from jfto_mavlink.fleet.link import FleetLink
+from jfto_mavlink.fleet.roster import Roster, RosterEntry, parse_roster
+from jfto_mavlink.io.address import free_udp_port, parse_address
+from jfto_mavlink.io.signing import Signer, StampFile, read_key
+from jfto_mavlink.protocol.setup import DEFAULT_RATES
+from jfto_mavlink.protocol.timesync import Clock, ScaledClock
 from jfto_sim.server import ServerSettings, SimServer
 
 HEARD_WAIT_S = 30.0
@@ -74,7 +72,7 @@ def open_fleet(
             205, f"{', '.join(sorted(missing))}: in the plan or in the roster, not in both."
         )
     signer = None if key_file is None else load_signer(key_file)
-    with Bridge(
+    with FleetLink(
         roster, signer=signer, log_directory=log_directory, rates=rates, on_event=on_event
     ) as bridge:
         if complete:
@@ -119,7 +117,7 @@ def _simulated(
 
     with (
         SimServer(configs, settings),
-        Bridge(
+        FleetLink(
             roster,
             clock=clock,
             unix=unix,

@@ -8,8 +8,8 @@ from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
+from jfto_mavlink.fleet.changes import Event
 from jfto_mavlink.flight.follow import FlightRecord
-from jfto_mavlink.watch import Event
 
 
 def new_flight_directory(wanted: Path | None) -> Path:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from jfto.pose_player_options import PosePlayerOptions
 from jfto.simulated_fleet_options import SimulatedFleetOptions
-from jfto_mavlink.bridge_options import BridgeOptions
+from jfto_mavlink.options import BridgeOptions
 from jfto_msgs_py.scenario import Key
 from jfto_msgs_py.scenario.options import option_keys
 from jfto_planner.planner_options import PlannerOptions

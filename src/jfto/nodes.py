@@ -82,7 +82,7 @@ def mavlink_bridge(arguments: Arguments = None) -> int:
     def make() -> Any:
         from jfto.bridge_fleet import open_simulated
         from jfto.planning.scenario_terrain import ground_of
-        from jfto_mavlink.mavlink_bridge import MavlinkBridgeNode
+        from jfto_mavlink.node import MavlinkBridgeNode
 
         return MavlinkBridgeNode(open_simulated, ground_of)
 

@@ -20,13 +20,13 @@ from std_msgs.msg import Float64MultiArray
 from jfto.simulated_air import fleet_air, hesitations_s
 from jfto.simulated_fleet import FleetTime, grounds, pads, vehicle_configs
 from jfto.simulated_fleet_options import SimulatedFleetOptions
-from jfto_mavlink.bridge_link import BridgeLink
 from jfto_msgs_py.errors import InputError, PlanError
 from jfto_msgs_py.plan_file import read_plan
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.air import ARRAY_OF_TOPIC, encode_air
 from jfto_msgs_py.ros.diagnostics import OK, WARN, Status
 from jfto_msgs_py.ros.graph_node import GraphNode
+from jfto_msgs_py.ros.opening import Opening
 from jfto_msgs_py.scenario import Scenario
 from jfto_sim.motion.warm_up import warm_up
 from jfto_sim.server import ServerSettings, SimServer
@@ -42,7 +42,7 @@ class SimulatedFleetNode(GraphNode[SimulatedFleetOptions]):
 
     def __init__(self, dem_of: Callable[[Scenario], Dem] | None = None, **arguments: Any) -> None:
         self._dem_of = dem_of
-        self._link: BridgeLink[SimServer] | None = None
+        self._link: Opening[SimServer] | None = None
         super().__init__("simulated_fleet", SimulatedFleetOptions, **arguments)
 
     def check(self, scenario: Scenario, options: SimulatedFleetOptions) -> None:
@@ -69,7 +69,7 @@ class SimulatedFleetNode(GraphNode[SimulatedFleetOptions]):
     def activated(self) -> None:
         """Power the vehicles up as soon as there is a plan."""
         if self._link is None:
-            self._link = BridgeLink(self._open, lambda _server: None, self._say)
+            self._link = Opening(self._open, lambda _server: None, self._say)
 
     def released(self) -> None:
         """Take the vehicles away."""

@@ -8,16 +8,15 @@ from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
-from jfto_mavlink.bridge import Bridge
-from jfto_mavlink.bridge_options import BridgeOptions
-from jfto_mavlink.clock import Clock, PacedClock
 from jfto_mavlink.dialect import mavlink
 from jfto_mavlink.errors import RosterError
-from jfto_mavlink.link.key_file import StampFile, read_key
-from jfto_mavlink.link.signing import Signer
-from jfto_mavlink.roster import Roster, parse_roster
-from jfto_mavlink.streams import DEFAULT_RATES
-from jfto_mavlink.watch import Event
+from jfto_mavlink.fleet.changes import Event
+from jfto_mavlink.fleet.link import FleetLink
+from jfto_mavlink.fleet.roster import Roster, parse_roster
+from jfto_mavlink.io.signing import Signer, StampFile, read_key
+from jfto_mavlink.options import BridgeOptions
+from jfto_mavlink.protocol.setup import DEFAULT_RATES
+from jfto_mavlink.protocol.timesync import Clock, PacedClock
 from jfto_msgs_py.plan import Plan
 
 SIMULATED = "sim:"
@@ -43,7 +42,7 @@ class FleetRequest:
 
 
 # Opens simulated vehicles on their pads, for as long as the context lasts.
-OpenSimulated = Callable[[FleetRequest], AbstractContextManager[Bridge]]
+OpenSimulated = Callable[[FleetRequest], AbstractContextManager[FleetLink]]
 
 
 def simulated_count(options: BridgeOptions) -> int | None:
@@ -101,7 +100,7 @@ def rates(options: BridgeOptions) -> dict[int, float]:
 
 def open_real(
     stack: ExitStack, options: BridgeOptions, roster: Roster, request: FleetRequest
-) -> Bridge:
+) -> FleetLink:
     """Open the links of a roster's vehicles, heard or not; raises LinkError or SigningError."""
     signer = None
     if options.key_file:
@@ -109,7 +108,7 @@ def open_real(
         stamps = StampFile(path)
         signer = Signer(read_key(path), time.time, stamps.load(), stamps.save)
     return stack.enter_context(
-        Bridge(
+        FleetLink(
             roster,
             clock=request.clock,
             unix=request.unix,

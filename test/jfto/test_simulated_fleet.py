@@ -13,7 +13,7 @@ from std_msgs.msg import Float64, Float64MultiArray
 from jfto.simulated_air import hesitations_s
 from jfto.simulated_fleet import FleetTime, pads, vehicle_configs
 from jfto.simulated_fleet_node import SimulatedFleetNode
-from jfto_mavlink.link.free_port import free_udp_port
+from jfto_mavlink.io.address import free_udp_port
 from jfto_msgs_py.errors import JftoError
 from jfto_msgs_py.plan_file import write_plan
 from jfto_msgs_py.ros import qos, topics

@@ -1,4 +1,4 @@
-"""A desk in virtual time: an exchange on one side, a scripted vehicle on the other."""
+"""A rig in virtual time: an exchange on one side, a scripted vehicle on the other."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from jfto_mavlink.dialect import Message, mavlink
-from jfto_mavlink.exchange import Activity, Context, Exchange, Report
 from jfto_mavlink.files.tlog import read_tlog
-from jfto_mavlink.link.framing import Framer
-from jfto_mavlink.link.port import Station
-from jfto_mavlink.vehicle import Vehicle
+from jfto_mavlink.io.framing import Framer
+from jfto_mavlink.io.port import Station
+from jfto_mavlink.protocol.exchange import Activity, Context, Exchange, Report
+from jfto_mavlink.protocol.vehicle_state import VehicleState
 from jfto_msgs_py.plan import Origin, Plan, Route, Slots, Uav, Waypoint
 from jfto_msgs_py.radio import Radio
 
@@ -23,7 +23,7 @@ DATA = Path(__file__).parents[1] / "data" / "ardupilot"
 Answer = Callable[[Message, float], Iterable[tuple[float, Message]]]
 
 
-class Desk:
+class Rig:
     """Runs one exchange against a vehicle given as a function, without waiting for anything.
 
     The function gets each message sent and the time, and returns (delay, message) pairs.
@@ -33,7 +33,7 @@ class Desk:
         self.now_s = 0.0
         self.sent: list[tuple[float, Message]] = []
         self.reports: list[Report] = []
-        self.vehicle = Vehicle("uav1")
+        self.vehicle = VehicleState("uav1")
         self.station = Station()
         self.context = Context("uav1", 1, self.station, self.vehicle, lambda: self.now_s)
         self._codec = mavlink.MAVLink(None, 1, 1)
@@ -75,8 +75,8 @@ class Desk:
 
 
 @pytest.fixture
-def desk() -> Desk:
-    return Desk()
+def rig() -> Rig:
+    return Rig()
 
 
 @pytest.fixture

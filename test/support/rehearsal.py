@@ -11,16 +11,16 @@ from typing import TypeVar
 
 from jfto_mavlink.dialect import Message
 from jfto_mavlink.errors import RosterError
-from jfto_mavlink.exchange import Activity, Context, Exchange, Report
-from jfto_mavlink.hub import Hub
-from jfto_mavlink.link.address import LinkAddress
-from jfto_mavlink.link.port import Port, Station
-from jfto_mavlink.link.signing import Signer
-from jfto_mavlink.link.transport import Peer, Received
-from jfto_mavlink.roster import Roster, RosterEntry
-from jfto_mavlink.streams import DEFAULT_RATES
-from jfto_mavlink.vehicle import Vehicle as VehicleState
-from jfto_mavlink.watch import Event
+from jfto_mavlink.fleet.changes import Event
+from jfto_mavlink.fleet.roster import Roster, RosterEntry
+from jfto_mavlink.fleet.station import GroundStation
+from jfto_mavlink.io.address import LinkAddress
+from jfto_mavlink.io.port import Port, Station
+from jfto_mavlink.io.signing import Signer
+from jfto_mavlink.io.transport import Peer, Received
+from jfto_mavlink.protocol.exchange import Activity, Context, Exchange, Report
+from jfto_mavlink.protocol.setup import DEFAULT_RATES
+from jfto_mavlink.protocol.vehicle_state import VehicleState
 from jfto_sim import LinkFaults, Vehicle
 from jfto_sim.faults import LossyPipe
 
@@ -95,7 +95,7 @@ class AirLink:
 
 
 class Rehearsal:
-    """A fleet of simulated vehicles behind the bridge's hub. Its clock moves only in `advance`.
+    """A fleet of simulated vehicles behind the ground station. Its clock moves only in `advance`.
 
     `vehicles` are named as in the roster that is made of them; system ids come from their
     configurations. `step_s` is the time between two looks at the link.
@@ -127,7 +127,7 @@ class Rehearsal:
             tuple(RosterEntry(uav, v.config.sysid, LINK) for uav, v in vehicles.items())
         )
         first = next(iter(vehicles.values()))
-        self.hub = Hub(
+        self.station = GroundStation(
             self.roster,
             self._transmit,
             self.clock,
@@ -186,18 +186,18 @@ class Rehearsal:
     ) -> Activity[object]:
         """Begin a conversation that goes on while time passes."""
         tell = report or (lambda _uav, _report: None)
-        return self.hub.submit(uav, job, lambda step: tell(uav, step))
+        return self.station.submit(uav, job, lambda step: tell(uav, step))
 
     def vehicle(self, uav: str) -> VehicleState:
         """State of a vehicle as last heard."""
-        return self.hub.vehicle(uav)
+        return self.station.vehicle(uav)
 
     def _step(self) -> None:
         self.now_s += self.step_s
         self.air.advance(self.step_s)
         for peer, frame in self.link.receive():
-            self.hub.handle(LINK, peer, frame)
-        self.hub.tick()
+            self.station.handle(LINK, peer, frame)
+        self.station.tick()
 
     def _transmit(self, _link: LinkAddress, peer: Peer, message: Message) -> bytes:
         return self.link.send(message, peer)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from jfto_mavlink.command import set_mode
 from jfto_mavlink.errors import RosterError
-from jfto_mavlink.mission.download import download
+from jfto_mavlink.protocol.command import set_mode
+from jfto_mavlink.protocol.transfer import download
 from jfto_sim import LinkFaults, Vehicle, VehicleConfig
 from support.rehearsal import Rehearsal
 

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from functools import partial
 
-from jfto_mavlink.bridge_flight import BridgeFlight, Found
-from jfto_mavlink.fleet.fly import FlySettings, start_fleet
-from jfto_mavlink.fleet.notices import Notice
-from jfto_mavlink.fleet.release import deliver_to_fleet
-from jfto_mavlink.flight.recognise import recognise
+from jfto_mavlink.fleet.changes import LOST_AFTER_S, Notice
+from jfto_mavlink.fleet.fly import FlySettings, deliver_to_fleet, start_fleet
+from jfto_mavlink.fleet.watched_flight import Found, WatchedFlight, recognise
+from jfto_mavlink.flight.telemetry import LinkState, listen
 from jfto_mavlink.mission.build import build_missions
 from jfto_mavlink.mission.settings import MissionSettings
-from jfto_mavlink.telemetry import LinkState, listen
-from jfto_mavlink.watch import LOST_AFTER_S
 from jfto_sim import Vehicle, VehicleConfig
 from support.rehearsal import Rehearsal
 
@@ -44,7 +41,7 @@ class Flight:
         self.runner = Rehearsal(self.vehicles, step_s=0.02)
         self.notices = []
         self.lift_offs = []
-        self.keeper = BridgeFlight(
+        self.keeper = WatchedFlight(
             self.missions,
             path,
             LOST_AFTER_S,

@@ -9,8 +9,8 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn
 
 if TYPE_CHECKING:
-    from jfto_mavlink.exchange import Report
-    from jfto_mavlink.watch import Event
+    from jfto_mavlink.fleet.changes import Event
+    from jfto_mavlink.protocol.exchange import Report
 
 ALARMS = ("link_lost", "battery_low", "failsafe", "fence", "reboot", "log")
 

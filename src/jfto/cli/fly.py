@@ -76,8 +76,7 @@ def command(
     from jfto.fleet_session import open_fleet
     from jfto.flight_log import flight_object, new_flight_directory
     from jfto.simulated_fleet import grounds
-    from jfto_mavlink.fleet.fly import FlySettings, fly_fleet
-    from jfto_mavlink.fleet.release import deliver_to_fleet
+    from jfto_mavlink.fleet.fly import FlySettings, deliver_to_fleet, fly_fleet
     from jfto_mavlink.flight.preflight import GateSettings
     from jfto_world.motion.arducopter.takeoff import SPOOL_UP_S
 

@@ -19,7 +19,7 @@ from jfto.cli.mission_options import (
 from jfto.cli.options import debug_option
 
 if TYPE_CHECKING:
-    from jfto_mavlink.mission.item import Mission
+    from jfto_mavlink.protocol.item import Mission
 
 FORMATS = {"plan": ".plan", "waypoints": ".waypoints"}
 
@@ -40,7 +40,7 @@ def command() -> None:
 @debug_option
 def export(plan: Path, out: Path, form: str, debug: bool, **choices: Any) -> int:  # noqa: ARG001
     """Write one mission file per UAV of PLAN for QGroundControl and Mission Planner."""
-    from jfto_mavlink.files.mission_file import write_mission
+    from jfto_mavlink.files import write_mission
 
     missions = build(plan, choices).missions
     out.mkdir(parents=True, exist_ok=True)
@@ -56,7 +56,7 @@ def export(plan: Path, out: Path, form: str, debug: bool, **choices: Any) -> int
 @debug_option
 def import_(source: Path, target: Path | None, debug: bool) -> int:  # noqa: ARG001
     """Read a .plan or .waypoints file, check it, and write it to TARGET in its format."""
-    from jfto_mavlink.files.mission_file import read_mission, write_mission
+    from jfto_mavlink.files import read_mission, write_mission
     from jfto_mavlink.mission.limits import MissionLimits, check_limits
     from jfto_mavlink.mission.stored import mission_hash
 
@@ -81,8 +81,8 @@ def diff(old: Path, new: Path, debug: bool) -> int:  # noqa: ARG001
 
     Status 0 if both fly the same, 1 if not.
     """
-    from jfto_mavlink.files.mission_file import read_mission
-    from jfto_mavlink.mission.diff import diff_missions
+    from jfto_mavlink.files import read_mission
+    from jfto_mavlink.mission.stored import diff_missions
 
     lines = diff_missions(read_mission(old), read_mission(new))
     for line in lines:
@@ -101,7 +101,7 @@ def diff(old: Path, new: Path, debug: bool) -> int:  # noqa: ARG001
 def upload(plan: Path, debug: bool, **choices: Any) -> int:  # noqa: ARG001
     """Upload PLAN's missions to all vehicles, read back, compare; all are released or none."""
     from jfto.cli.flight_screen import FlightScreen
-    from jfto_mavlink.fleet.release import deliver_to_fleet
+    from jfto_mavlink.fleet.fly import deliver_to_fleet
 
     missions = build(plan, choices).missions
     with _session(choices, missions) as session, FlightScreen() as screen:
@@ -146,9 +146,9 @@ def verify_command(plan: Path, debug: bool, **choices: Any) -> int:  # noqa: ARG
 def clear_command(debug: bool, yes: bool, **choices: Any) -> int:  # noqa: ARG001
     """Remove mission, fence and rally points from vehicles."""
     from jfto.cli.flight_screen import FlightScreen
-    from jfto_mavlink.exchange import Context, Exchange
     from jfto_mavlink.mission.deliver import clear
-    from jfto_mavlink.mission.item import FENCE, MISSION, RALLY
+    from jfto_mavlink.protocol.exchange import Context, Exchange
+    from jfto_mavlink.protocol.item import FENCE, MISSION, RALLY
 
     if not yes:
         click.confirm("Clear the missions of all these vehicles?", abort=True)
@@ -172,9 +172,9 @@ def sign(key_file: Path, create: bool, debug: bool, **choices: Any) -> int:  # n
     """Give vehicles the signing key in FILE, over a cable: the key travels in the clear."""
     from jfto.cli.flight_screen import FlightScreen
     from jfto.fleet_session import load_signer
-    from jfto_mavlink.exchange import Context, Exchange
-    from jfto_mavlink.link.key_file import create_key
-    from jfto_mavlink.signing_setup import setup_signing
+    from jfto_mavlink.io.signing import create_key
+    from jfto_mavlink.protocol.exchange import Context, Exchange
+    from jfto_mavlink.protocol.setup import setup_signing
 
     if create:
         create_key(key_file)
@@ -203,8 +203,8 @@ def order_command(order: str, only: tuple[str, ...], debug: bool, **choices: Any
     """
     from jfto.cli.flight_screen import FlightScreen
     from jfto_mavlink.errors import RosterError
-    from jfto_mavlink.exchange import Context, Exchange
     from jfto_mavlink.flight import control
+    from jfto_mavlink.protocol.exchange import Context, Exchange
 
     orders = {
         "pause": control.pause,

@@ -118,9 +118,9 @@ def build(
     from jfto.planning.scenario_file import load_scenario
     from jfto.planning.survey import load_ground
     from jfto_mavlink.errors import MissionError
-    from jfto_mavlink.mission.as_planned import settings_for
     from jfto_mavlink.mission.build import build_missions
     from jfto_mavlink.mission.limits import MissionLimits
+    from jfto_mavlink.mission.settings import settings_for
     from jfto_msgs_py.plan_file import read_plan
 
     plan = read_plan(plan_path)

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from jfto_mavlink.mission.ground import Ground
+    from jfto_mavlink.mission.limits import Ground
     from jfto_msgs_py.scenario import Scenario
     from jfto_world.terrain import Dem
 

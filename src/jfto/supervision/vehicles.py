@@ -7,11 +7,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from jfto_mavlink.bridge_options import BridgeOptions
 from jfto_mavlink.errors import RosterError
-from jfto_mavlink.link.address import parse_address
-from jfto_mavlink.link.free_port import free_udp_port
+from jfto_mavlink.io.address import free_udp_port, parse_address
 from jfto_mavlink.open_vehicles import read_roster, simulated_count
+from jfto_mavlink.options import BridgeOptions
 
 SIMULATED = "sim"
 FROM_SCENARIO = "roster"

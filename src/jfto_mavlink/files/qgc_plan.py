@@ -20,7 +20,7 @@ from jfto_mavlink.mission.fence import (
     fence_from_items,
     fence_items,
 )
-from jfto_mavlink.mission.item import (
+from jfto_mavlink.protocol.item import (
     DEGREE_1E7,
     FRAME_ABSOLUTE,
     FRAME_HOME,

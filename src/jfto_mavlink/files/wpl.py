@@ -15,7 +15,7 @@ import numpy as np
 from jfto_mavlink.dialect import mavlink
 from jfto_mavlink.errors import MissionFileError
 from jfto_mavlink.mission.fence import FENCE_COMMANDS, RALLY_COMMAND
-from jfto_mavlink.mission.item import DEGREE_1E7, FRAME_ABSOLUTE, Item, Mission
+from jfto_mavlink.protocol.item import DEGREE_1E7, FRAME_ABSOLUTE, Item, Mission
 
 HEADER = "QGC WPL 110"
 COLUMNS = 12

@@ -1,19 +1,93 @@
-"""A released fleet from its pads to its landing."""
+"""A fleet from its missions to its landing: all verified on board or none released, then flown."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Protocol, TypeVar
 
-from jfto_mavlink.clock import Clock
-from jfto_mavlink.errors import FlightError
-from jfto_mavlink.exchange import Context, Exchange
-from jfto_mavlink.fleet.release import Release, Reporter, Runner
-from jfto_mavlink.flight.control import return_home
+from jfto_mavlink.errors import FlightError, RosterError
+from jfto_mavlink.fleet.roster import Roster
+from jfto_mavlink.flight.control import StartLine, return_home, start, unless_called_off
 from jfto_mavlink.flight.follow import FlightRecord, follow
 from jfto_mavlink.flight.preflight import GateSettings, gate
-from jfto_mavlink.flight.start import StartLine, start, unless_called_off
 from jfto_mavlink.mission.build import VehicleMission
+from jfto_mavlink.mission.deliver import Delivered, deliver
+from jfto_mavlink.protocol.exchange import Context, Exchange, Report
+from jfto_mavlink.protocol.item import Mission
+from jfto_mavlink.protocol.timesync import Clock
+from jfto_mavlink.protocol.transfer import Patience
+from jfto_mavlink.protocol.vehicle_state import VehicleState
+
+T = TypeVar("T")
+Reporter = Callable[[str, Report], None]
+
+
+class Runner(Protocol):
+    """What runs conversations with several vehicles at once (the bridge does)."""
+
+    roster: Roster
+
+    def run(
+        self,
+        jobs: Mapping[str, Callable[[Context], Exchange[T]]],
+        report: Reporter | None = None,
+    ) -> dict[str, T | Exception]:
+        """Result or error per vehicle."""
+
+    def vehicle(self, uav: str) -> VehicleState:
+        """State of a vehicle as last heard."""
+
+
+@dataclass(frozen=True)
+class Release:
+    """Permission to fly: each vehicle was seen to hold exactly this mission."""
+
+    missions: Mapping[str, Mission]
+    digests: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class FleetDelivery:
+    """What became of an upload to a fleet."""
+
+    missions: Mapping[str, Mission]
+    delivered: Mapping[str, Delivered]
+    failed: Mapping[str, Exception]
+
+    def release(self) -> Release:
+        """The permission to fly; raises FlightError 406 naming every vehicle that failed."""
+        if self.failed:
+            reasons = " ".join(str(error) for error in self.failed.values())
+            raise FlightError(406, f"No vehicle is released: {reasons}")
+        return Release(self.missions, {uav: d.digest for uav, d in self.delivered.items()})
+
+
+def deliver_to_fleet(
+    runner: Runner,
+    missions: Mapping[str, Mission],
+    report: Reporter | None = None,
+    patience: Patience | None = None,
+) -> FleetDelivery:
+    """Upload to all vehicles at once, read back and compare; ends with a result for each.
+
+    Raises RosterError 205 before anything is sent if missions and roster do not name the same
+    vehicles.
+    """
+    odd = set(missions) ^ set(runner.roster.uavs)
+    if odd:
+        raise RosterError(
+            205, f"{', '.join(sorted(odd))}: named by the roster or by the missions, not by both."
+        )
+
+    def job(mission: Mission) -> Callable[[Context], Exchange[Delivered]]:
+        return lambda context: deliver(context, mission, patience)
+
+    results = runner.run({uav: job(mission) for uav, mission in missions.items()}, report)
+    delivered = {uav: r for uav, r in results.items() if isinstance(r, Delivered)}
+    failed = {uav: r for uav, r in results.items() if isinstance(r, Exception)}
+    return FleetDelivery(missions, delivered, failed)
+
 
 # Time for mode changes and arming before the first vehicle's moment.
 PREPARE_S = 8.0

@@ -9,12 +9,11 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from jfto_mavlink.fleet.notices import LEAVING, Notice, changes, place_text
-from jfto_mavlink.flight.place import distance_m
-from jfto_mavlink.flight.timing import Moment
+from jfto_mavlink.fleet.changes import LEAVING, LOST_AFTER_S, Notice, changes, place_text
+from jfto_mavlink.flight.follow import Moment
+from jfto_mavlink.flight.telemetry import LinkState
 from jfto_mavlink.mission.build import VehicleMission
-from jfto_mavlink.telemetry import LinkState
-from jfto_mavlink.watch import LOST_AFTER_S
+from jfto_mavlink.mission.place import distance_m
 from jfto_msgs_py.ros.events import ERROR, INFO, WARN
 
 # Vehicles of a fleet start together; after this long the ones that have not are not waited for.

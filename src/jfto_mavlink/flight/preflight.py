@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from jfto_mavlink.command import Persistence, send_command
 from jfto_mavlink.dialect import mavlink
 from jfto_mavlink.errors import CommandError, TransferError
-from jfto_mavlink.exchange import Context, Exchange, Report, Wait
-from jfto_mavlink.flight.place import distance_m
 from jfto_mavlink.mission.deliver import verify
-from jfto_mavlink.mission.item import Mission
-from jfto_mavlink.vehicle import Vehicle
+from jfto_mavlink.mission.place import distance_m
+from jfto_mavlink.protocol.command import Persistence, send_command
+from jfto_mavlink.protocol.exchange import Context, Exchange, Report, Wait
+from jfto_mavlink.protocol.item import Mission
+from jfto_mavlink.protocol.vehicle_state import VehicleState
 
 # The autopilot repeats its complaints every 30 s.
 PREARM_TEXTS_S = 35.0
@@ -36,7 +36,10 @@ class GateSettings:
 
 
 def problems(
-    vehicle: Vehicle, now_s: float, home_deg: tuple[float, float] | None, settings: GateSettings
+    vehicle: VehicleState,
+    now_s: float,
+    home_deg: tuple[float, float] | None,
+    settings: GateSettings,
 ) -> tuple[str, ...]:
     """Everything that speaks against arming, without asking the vehicle anything."""
     found = []

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jfto_mavlink.guided.joining import Joining
-from jfto_mavlink.guided.reference import Reference, reference
+from jfto_mavlink.guided.reference import Joining, Reference, reference
 from jfto_msgs_py.types import Array
 from jfto_msgs_py.vehicle import TimedTrajectory
 

@@ -1,17 +1,16 @@
-"""The stream of targets to one vehicle, and its deliberate end."""
+"""GUIDED flight of one vehicle: from the pad to a hover, a stream of targets, a deliberate end."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-from jfto_mavlink.command import request_message, set_mode
 from jfto_mavlink.dialect import MODES, mavlink
 from jfto_mavlink.errors import FlightError
-from jfto_mavlink.exchange import Context, Exchange, Report, Send, wait_for, wait_until
-from jfto_mavlink.guided.heading import HeadingPlan
-from jfto_mavlink.guided.local_frame import EkfFrame, MapFrame
+from jfto_mavlink.flight.control import AIRBORNE, LIFT_OFF_WAIT_S, StartLine, line_up
 from jfto_mavlink.guided.scheduler import Scheduler
-from jfto_mavlink.guided.target_message import stop_message, target_message
+from jfto_mavlink.guided.target import EkfFrame, HeadingPlan, MapFrame, stop_message, target_message
+from jfto_mavlink.protocol.command import command_seen, request_message, set_mode
+from jfto_mavlink.protocol.exchange import Context, Exchange, Report, Send, wait_for, wait_until
 
 # Zero velocities sent before BRAKE is asked for: one may be lost.
 STOPS = 3
@@ -84,3 +83,35 @@ def stop(context: Context) -> Exchange[None]:
     if context.vehicle.mode == MODES["GUIDED"]:
         yield from set_mode(context, MODES["BRAKE"])
         yield Report("holds")
+
+
+# The last metres of a climb are slow.
+REACHED_SHARE = 0.95
+CLIMB_WAIT_S = 60.0
+
+
+def take_off(context: Context, line: StartLine, height_m: float) -> Exchange[None]:
+    """Arm with the others, climb to a height above home and hover; raises MavlinkError.
+
+    If any vehicle of the line fails to arm, the others disarm again.
+    """
+    vehicle = context.vehicle
+    yield from line_up(context, line)
+    yield Report("takes off")
+    yield from command_seen(
+        context,
+        mavlink.MAV_CMD_NAV_TAKEOFF,
+        (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, height_m),
+        lambda: vehicle.landed_state in AIRBORNE,
+        "taking off",
+        LIFT_OFF_WAIT_S,
+    )
+    if not (
+        yield from wait_for(
+            context, lambda: vehicle.height_m >= REACHED_SHARE * height_m, CLIMB_WAIT_S
+        )
+    ):
+        raise FlightError(
+            603, f"{context.uav}: is at {vehicle.height_m:.1f} m, not at {height_m:g} m."
+        )
+    yield Report(f"hovers at {height_m:g} m")

@@ -1,1 +1,1 @@
-"""Missions: items, what the autopilot keeps of them, building from a plan, transfer protocols."""
+"""Missions: building them from a plan, limits, what the autopilot keeps, delivery."""

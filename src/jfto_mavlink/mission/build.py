@@ -16,14 +16,11 @@ from numpy.typing import NDArray
 
 from jfto_mavlink.dialect import mavlink
 from jfto_mavlink.errors import MissionError
-from jfto_mavlink.mission.as_planned import check_as_planned
 from jfto_mavlink.mission.fence import Fence, RallyPoint, fence_items, rally_items
-from jfto_mavlink.mission.ground import Ground, check_clearance, return_height_m
-from jfto_mavlink.mission.item import FRAME_ABSOLUTE, FRAME_HOME, FRAME_NONE, Item, Mission, at
-from jfto_mavlink.mission.item_map import ItemMap, map_items
-from jfto_mavlink.mission.limits import check_limits
-from jfto_mavlink.mission.settings import MissionSettings
+from jfto_mavlink.mission.limits import Ground, check_clearance, check_limits, return_height_m
+from jfto_mavlink.mission.settings import MissionSettings, check_as_planned
 from jfto_mavlink.mission.stored import mission_hash
+from jfto_mavlink.protocol.item import FRAME_ABSOLUTE, FRAME_HOME, FRAME_NONE, Item, Mission, at
 from jfto_msgs_py.plan import Plan, Route, Uav, Waypoint
 from jfto_world.motion import MotionLimits
 from jfto_world.motion.arducopter import ArduCopter
@@ -256,3 +253,34 @@ def _ending_items(
         )
     items.append(Item(mavlink.MAV_CMD_NAV_RETURN_TO_LAUNCH, FRAME_NONE))
     return items
+
+
+@dataclass(frozen=True)
+class ItemMap:
+    """`items[k]` is the item of the route's k-th waypoint; `count` the mission's item count."""
+
+    items: tuple[int, ...]
+    reached: tuple[int | None, ...]
+
+    def waypoint(self, reached_seq: int) -> int | None:
+        """Index along the route of the waypoint that a reached item stands for, if any."""
+        return self.reached[reached_seq] if 0 <= reached_seq < len(self.reached) else None
+
+    def next_waypoint(self, current_seq: int) -> int | None:
+        """Index of the first waypoint not yet reached while item `current_seq` is flown."""
+        for index, seq in enumerate(self.items):
+            if seq >= current_seq:
+                return index
+        return None
+
+
+def map_items(items: Sequence[Item], waypoint_items: Sequence[int]) -> ItemMap:
+    """Map of a mission whose route waypoints are the given items."""
+    index_of = {seq: index for index, seq in enumerate(waypoint_items)}
+    reached: list[int | None] = []
+    current: int | None = None
+    for seq, item in enumerate(items):
+        if item.is_nav:
+            current = index_of.get(seq)
+        reached.append(current)
+    return ItemMap(tuple(waypoint_items), tuple(reached))

@@ -7,13 +7,21 @@ from dataclasses import dataclass
 
 from jfto_mavlink.dialect import MODES, mavlink
 from jfto_mavlink.errors import CommandError, TransferError
-from jfto_mavlink.exchange import Context, Exchange, Report, Send, Wait, backoff
-from jfto_mavlink.mission.download import download, read_back
-from jfto_mavlink.mission.item import FENCE, MISSION, RALLY, TYPE_NAMES, Item, Mission
 from jfto_mavlink.mission.stored import differences, mission_hash
-from jfto_mavlink.mission.transfer import ACCEPTED, BUSY, ERROR, Patience, ack_name, ack_type
-from jfto_mavlink.mission.upload import upload
-from jfto_mavlink.parameter import equal, read_parameter, set_parameter
+from jfto_mavlink.protocol.exchange import Context, Exchange, Report, Send, Wait, backoff
+from jfto_mavlink.protocol.item import FENCE, MISSION, RALLY, TYPE_NAMES, Item, Mission
+from jfto_mavlink.protocol.parameter import equal, read_parameter, set_parameter
+from jfto_mavlink.protocol.transfer import (
+    ACCEPTED,
+    BUSY,
+    ERROR,
+    Patience,
+    ack_name,
+    ack_type,
+    download,
+    read_back,
+)
+from jfto_mavlink.protocol.upload import upload
 
 # Uploads of one mission until read-back must agree.
 ROUNDS = 3

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from jfto_mavlink.dialect import mavlink
 from jfto_mavlink.errors import MissionError
-from jfto_mavlink.mission.item import FRAME_ABSOLUTE, FRAME_HOME, Item, at
+from jfto_mavlink.protocol.item import FRAME_ABSOLUTE, FRAME_HOME, Item, at
 
 Position = tuple[float, float]
 

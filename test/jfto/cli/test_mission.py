@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from jfto.cli import main
-from jfto_mavlink.files.mission_file import read_mission
+from jfto_mavlink.files import read_mission
 from jfto_sim import VehicleConfig
 from jfto_sim.server import ServerSettings, SimServer
 

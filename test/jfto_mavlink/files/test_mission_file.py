@@ -10,15 +10,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jfto_mavlink.errors import MissionFileError
-from jfto_mavlink.files.mission_file import read_mission, write_mission
+from jfto_mavlink.files import read_mission, write_mission
 from jfto_mavlink.files.qgc_plan import parse_document, plan_document
 from jfto_mavlink.files.wpl import parse_wpl, wpl_text
 from jfto_mavlink.mission.build import build_missions
-from jfto_mavlink.mission.diff import diff_missions
 from jfto_mavlink.mission.fence import Circle, Fence, Polygon, RallyPoint, fence_items, rally_items
-from jfto_mavlink.mission.item import Item, Mission
 from jfto_mavlink.mission.settings import MissionSettings
-from jfto_mavlink.mission.stored import mission_hash
+from jfto_mavlink.mission.stored import diff_missions, mission_hash
+from jfto_mavlink.protocol.item import Item, Mission
 
 FENCE = Fence(
     (

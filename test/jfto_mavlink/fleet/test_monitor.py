@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from jfto_mavlink.dialect import MODES
-from jfto_mavlink.fleet.fly import FlySettings, start_fleet
-from jfto_mavlink.fleet.release import deliver_to_fleet
+from jfto_mavlink.fleet.fly import FlySettings, deliver_to_fleet, start_fleet
 from jfto_mavlink.flight.control import pause, return_home
 from jfto_msgs_py.ros.events import INFO
 from jfto_sim import LinkFaults

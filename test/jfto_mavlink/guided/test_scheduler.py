@@ -6,11 +6,17 @@ import numpy as np
 import pytest
 
 from jfto_mavlink.errors import MissionError
-from jfto_mavlink.guided.heading import TURN_DPS, HeadingPlan
-from jfto_mavlink.guided.joining import JOIN_MPS, JOIN_MPS2, Joining
-from jfto_mavlink.guided.local_frame import EkfFrame, MapFrame
-from jfto_mavlink.guided.reference import GuidedLimits, Reference, check_flyable, reference
+from jfto_mavlink.guided.reference import (
+    JOIN_MPS,
+    JOIN_MPS2,
+    GuidedLimits,
+    Joining,
+    Reference,
+    check_flyable,
+    reference,
+)
 from jfto_mavlink.guided.scheduler import GuidedSettings, Scheduler
+from jfto_mavlink.guided.target import TURN_DPS, EkfFrame, HeadingPlan, MapFrame
 from jfto_msgs_py.plan import Origin
 from jfto_msgs_py.vehicle import TimedTrajectory
 from jfto_world.terrain.frame import LocalFrame

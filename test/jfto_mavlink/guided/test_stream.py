@@ -5,15 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from jfto_mavlink.command import set_mode
 from jfto_mavlink.dialect import MODES
-from jfto_mavlink.flight.start import StartLine
-from jfto_mavlink.guided.heading import HeadingPlan
-from jfto_mavlink.guided.local_frame import MapFrame
+from jfto_mavlink.flight.control import StartLine
 from jfto_mavlink.guided.reference import GuidedLimits, check_flyable, reference
 from jfto_mavlink.guided.scheduler import GuidedSettings, Scheduler
-from jfto_mavlink.guided.stream import ekf_frame, stream
-from jfto_mavlink.guided.take_off import take_off
+from jfto_mavlink.guided.stream import ekf_frame, stream, take_off
+from jfto_mavlink.guided.target import HeadingPlan, MapFrame
+from jfto_mavlink.protocol.command import set_mode
 from jfto_msgs_py.plan import Origin
 from jfto_msgs_py.vehicle import TimedTrajectory
 from jfto_sim import LinkFaults, Vehicle, VehicleConfig

@@ -9,10 +9,9 @@ import pytest
 
 from jfto_mavlink.dialect import mavlink
 from jfto_mavlink.errors import MissionError
-from jfto_mavlink.mission.as_planned import settings_for
 from jfto_mavlink.mission.build import build_missions
 from jfto_mavlink.mission.limits import MissionLimits
-from jfto_mavlink.mission.settings import MissionSettings
+from jfto_mavlink.mission.settings import MissionSettings, settings_for
 from jfto_msgs_py.plan import Route
 from jfto_world.terrain.frame import LocalFrame
 

@@ -6,8 +6,8 @@ import dataclasses
 
 import pytest
 
-from jfto_mavlink.mission.item import FENCE, MISSION, RALLY, Item, Mission, item_from_message
 from jfto_mavlink.mission.stored import differences, mission_hash, stored
+from jfto_mavlink.protocol.item import FENCE, MISSION, RALLY, Item, Mission, item_from_message
 
 STATIONS = range(200, 256)
 

@@ -1,0 +1,208 @@
+"""Orders to a whole fleet, one at a time, answered in words: upload, check, start, …, abort.
+
+Each method waits for the vehicles, so it is called in a thread of its own.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+from jfto_mavlink.dialect import MODES, mavlink
+from jfto_mavlink.errors import FlightError
+from jfto_mavlink.fleet.fly import (
+    FlySettings,
+    Release,
+    Reporter,
+    check_fleet,
+    deliver_to_fleet,
+    start_fleet,
+)
+from jfto_mavlink.fleet.link import FleetLink
+from jfto_mavlink.flight.control import StartLine, disarm, land, pause, resume, return_home
+from jfto_mavlink.flight.preflight import GateSettings
+from jfto_mavlink.mission.build import VehicleMission
+from jfto_mavlink.mission.deliver import verify
+from jfto_mavlink.protocol.exchange import Context, Exchange, wait_until
+from jfto_mavlink.protocol.vehicle_state import VehicleState
+
+# After this long the heartbeat shows whether a start under way has armed a vehicle.
+SETTLE_S = 1.5
+# Whoever is on the way home or down was sent there for a reason.
+LEAVING = (MODES["RTL"], MODES["LAND"], MODES["SMART_RTL"])
+
+
+@dataclass(frozen=True)
+class OrderSettings:
+    """Whether vehicles may be armed, what abort means, and the gate before a start."""
+
+    may_arm: bool
+    land_on_abort: bool = False
+    gate: GateSettings = field(default_factory=GateSettings)
+
+
+class FleetOrders:
+    """Flies missions of a plan in AUTO."""
+
+    def __init__(
+        self,
+        bridge: FleetLink,
+        missions: Mapping[str, VehicleMission],
+        settings: OrderSettings,
+        report: Reporter,
+    ) -> None:
+        self.bridge = bridge
+        self.missions = dict(missions)
+        self.settings = settings
+        self.report = report
+        self._release: Release | None = None
+        self._line: StartLine | None = None
+        self._starting = False
+        self._aborted = False
+        self._busy = threading.Lock()
+        self._doing = ""
+
+    def upload(self) -> str:
+        """Upload, read back and compare all missions; all or none are released."""
+        with self._order("upload"):
+            self._release = None
+            sent = {uav: mission.mission for uav, mission in self.missions.items()}
+            self._release = deliver_to_fleet(self.bridge, sent, self.report).release()
+            hashes = ", ".join(f"{u} {d[:12]}" for u, d in self._release.digests.items())
+            return f"{len(sent)} missions on board and verified: {hashes}"
+
+    def check(self) -> str:
+        """Hold every vehicle at the gate before arming, and arm none."""
+        with self._order("check"):
+            release = self._release or self._read_back()
+            gate = self.settings.gate
+            check_fleet(self.bridge, release, self.missions, gate, self.report)
+            return f"ready to arm: {', '.join(self.missions)}"
+
+    def start(self) -> str:
+        """Check, arm and start all vehicles; returns when all fly."""
+        with self._start_order():
+            release = self._release or self._read_back()
+            start_fleet(
+                self.bridge,
+                self.bridge.clock,
+                release,
+                self.missions,
+                FlySettings(gate=self.settings.gate),
+                self.report,
+                self._begun,
+            )
+            return f"flying: {', '.join(self.missions)}"
+
+    def pause(self) -> str:
+        """Hold every vehicle that flies its mission."""
+        with self._order("pause"):
+            chosen = self._flying(lambda vehicle: vehicle.mode == MODES["AUTO"])
+            return self._all(chosen, pause, "paused")
+
+    def resume(self) -> str:
+        """Let all go on that are in the air and not on their way home or down."""
+        with self._order("resume"):
+            chosen = self._flying(lambda vehicle: vehicle.mode not in LEAVING)
+            return self._all(chosen, resume, "going on")
+
+    def abort(self) -> str:
+        """Bring all vehicles home, or down; whatever else is being done is called off."""
+        self._aborted = True
+        hurried, line = self._starting, self._line
+        if line is not None:
+            line.failed = line.failed or "abort"
+            line.reason = line.reason or "the operator aborted"
+        how, word = (land, "landing") if self.settings.land_on_abort else (return_home, "returning")
+
+        def job(context: Context) -> Exchange[str]:
+            if hurried and not in_flight(context.vehicle):
+                yield from wait_until(context, context.clock() + SETTLE_S)
+            if in_flight(context.vehicle):
+                yield from how(context)
+                return word
+            yield from disarm(context)
+            return "on the ground"
+
+        results = self.bridge.run(dict.fromkeys(self.missions, job), self.report)
+        return _told(results, str)
+
+    def close(self) -> None:
+        """Nothing to end: missions are flown by the vehicles themselves."""
+
+    def _read_back(self) -> Release:
+        """The release that an earlier run of this program gave, proven anew."""
+        jobs = {uav: _verify_job(mission) for uav, mission in self.missions.items()}
+        results = self.bridge.run(jobs, self.report)
+        wrong = [uav for uav, result in results.items() if result]
+        if wrong:
+            raise FlightError(406, f"{', '.join(wrong)}: not the plan's mission on board. Upload.")
+        return Release(
+            {uav: mission.mission for uav, mission in self.missions.items()},
+            {uav: mission.digest for uav, mission in self.missions.items()},
+        )
+
+    def _begun(self, line: StartLine) -> None:
+        self._line = line
+        if self._aborted:
+            raise FlightError(601, "start called off, because the operator aborted.")
+
+    def _flying(self, wanted: Callable[[VehicleState], bool]) -> list[str]:
+        vehicles = {uav: self.bridge.vehicle(uav) for uav in self.missions}
+        chosen = [uav for uav, v in vehicles.items() if in_flight(v) and wanted(v)]
+        if not chosen:
+            modes = ", ".join(
+                f"{uav} {v.mode_name if in_flight(v) else 'on the ground'}"
+                for uav, v in vehicles.items()
+            )
+            raise FlightError(601, f"No vehicle that could: {modes}.")
+        return chosen
+
+    def _all(self, chosen: list[str], job: Callable[[Context], Exchange[None]], word: str) -> str:
+        results = self.bridge.run(dict.fromkeys(chosen, job), self.report)
+        others = [uav for uav in self.missions if uav not in chosen]
+        rest = f"; left alone: {', '.join(others)}" if others else ""
+        return _told(results, lambda _result: word) + rest
+
+    @contextmanager
+    def _order(self, verb: str) -> Iterator[None]:
+        if not self._busy.acquire(blocking=False):
+            raise FlightError(605, f"{verb}: {self._doing} is under way; abort or wait.")
+        self._doing = verb
+        try:
+            yield
+        finally:
+            self._busy.release()
+
+    @contextmanager
+    def _start_order(self) -> Iterator[None]:
+        if not self.settings.may_arm:
+            raise FlightError(
+                606, "No vehicle is armed: set the parameter allow_arming to let start arm them."
+            )
+        with self._order("start"):
+            self._aborted, self._starting, self._line = False, True, None
+            try:
+                yield
+            finally:
+                self._starting, self._line = False, None
+
+
+def in_flight(vehicle: VehicleState) -> bool:
+    """Whether a vehicle is armed and not known to stand on the ground."""
+    return vehicle.armed and vehicle.landed_state != mavlink.MAV_LANDED_STATE_ON_GROUND
+
+
+def _verify_job(mission: VehicleMission) -> Callable[[Context], Exchange[tuple[str, ...]]]:
+    return lambda context: verify(context, mission.mission)
+
+
+def _told(results: Mapping[str, object], word: Callable[[object], str]) -> str:
+    """What became of each vehicle; raises FlightError 603 where one did not obey."""
+    failed = [str(result) for result in results.values() if isinstance(result, Exception)]
+    done = [f"{u} {word(r)}" for u, r in results.items() if not isinstance(r, Exception)]
+    if failed:
+        raise FlightError(603, " ".join([*failed, *(f"{text}." for text in done)]))
+    return ", ".join(done)

@@ -1,0 +1,164 @@
+"""Who is who: UAV names, system ids, links, and which of several senders is to be believed."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from jfto_mavlink.errors import RosterError
+from jfto_mavlink.io.address import LinkAddress, parse_address
+from jfto_mavlink.io.transport import Peer
+
+
+@dataclass(frozen=True)
+class RosterEntry:
+    """One vehicle. `uid` is what AUTOPILOT_VERSION must report, "" for any."""
+
+    uav: str
+    sysid: int
+    link: LinkAddress
+    uid: str = ""
+
+
+@dataclass(frozen=True)
+class Roster:
+    """The fleet, in the order of the plan."""
+
+    entries: tuple[RosterEntry, ...]
+
+    def __post_init__(self) -> None:
+        for entry in self.entries:
+            if not 1 <= entry.sysid <= 250:
+                raise RosterError(201, f"{entry.uav}: system id {entry.sysid} is outside 1…250.")
+        for name, values in (
+            ("UAV name", [entry.uav for entry in self.entries]),
+            ("system id", [str(entry.sysid) for entry in self.entries]),
+            ("uid", [entry.uid for entry in self.entries if entry.uid]),
+        ):
+            for value, count in Counter(values).items():
+                if count > 1:
+                    raise RosterError(
+                        202,
+                        f"{name} {value} stands {count} times in the roster; give each its own.",
+                    )
+        if not self.entries:
+            raise RosterError(201, "the roster is empty; name at least one vehicle.")
+
+    @property
+    def uavs(self) -> tuple[str, ...]:
+        """Names in order."""
+        return tuple(entry.uav for entry in self.entries)
+
+    @property
+    def links(self) -> tuple[LinkAddress, ...]:
+        """Each link once, in order of first use."""
+        return tuple(dict.fromkeys(entry.link for entry in self.entries))
+
+    def find(self, link: LinkAddress, sysid: int) -> RosterEntry | None:
+        """The vehicle expected on a link under a system id."""
+        for entry in self.entries:
+            if entry.sysid == sysid and entry.link == link:
+                return entry
+        return None
+
+
+def parse_roster(texts: Sequence[str]) -> Roster:
+    """Read entries of the form UAV=SYSID@LINK or UAV=SYSID@LINK#UID; raises RosterError."""
+    return Roster(tuple(_parse_entry(text) for text in texts))
+
+
+def _parse_entry(text: str) -> RosterEntry:
+    uav, equals, rest = text.partition("=")
+    sysid, at, link_text = rest.partition("@")
+    link, _, uid = link_text.partition("#")
+    if not (uav and equals and at and sysid.isdigit()):
+        raise RosterError(
+            201, f'"{text}" is not UAV=SYSID@LINK, for example uav1=1@udpin:0.0.0.0:14550.'
+        )
+    return RosterEntry(uav, int(sysid), parse_address(link), uid.lower())
+
+
+# A sender silent for this long has moved or gone.
+PEER_SILENT_S = 3.0
+# Senders remembered per vehicle; more than a few are forgeries.
+PEERS_MAX = 8
+
+
+@dataclass
+class _Sender:
+    heard_s: float
+    uid: str | None = None
+
+
+@dataclass
+class Identity:
+    """Senders of one system id on one link, by network address, and their AUTOPILOT_VERSION uid.
+
+    Frames count only from `peer`, the sender believed. A second sender is believed once it reports
+    the same uid (the vehicle has a new port after a restart), or once the first has fallen silent.
+    With another uid it is a second vehicle: `conflict` says so and stays.
+    """
+
+    uav: str
+    sysid: int
+    expected_uid: str = ""
+    peer: Peer = None
+    conflict: str = ""
+    wrong_vehicle: str = ""
+    _senders: dict[Peer, _Sender] = field(default_factory=dict)
+
+    @property
+    def known(self) -> bool:
+        """Whether the sender believed has told its uid."""
+        sender = self._senders.get(self.peer)
+        return sender is not None and sender.uid is not None
+
+    def unknown_peers(self) -> tuple[Peer, ...]:
+        """Senders that have not told their uid yet."""
+        return tuple(peer for peer, sender in self._senders.items() if sender.uid is None)
+
+    def heard(self, peer: Peer, now_s: float) -> bool:
+        """Take note of a frame; True if its sender is the one believed."""
+        sender = self._senders.get(peer)
+        if sender is None:
+            self._forget(now_s)
+            if len(self._senders) >= PEERS_MAX:
+                return False
+            sender = self._senders[peer] = _Sender(now_s)
+        sender.heard_s = now_s
+        if not self._alive(self.peer, now_s):
+            self.peer = peer
+        return peer == self.peer
+
+    def version(self, peer: Peer, uid: str) -> None:
+        """Take note of the uid that a sender reports ("" if it has none)."""
+        sender = self._senders.get(peer)
+        if sender is None:
+            return
+        others = {s.uid for p, s in self._senders.items() if p != peer and s.uid is not None}
+        if sender.uid is not None and sender.uid != uid:
+            others.add(sender.uid)
+        sender.uid = uid
+        if others - {uid}:
+            seen = " and ".join(sorted(others | {uid}))
+            self.conflict = (
+                f"{self.uav}: two vehicles answer to system id {self.sysid} (uid {seen}). "
+                "Switch one off or give it its own SYSID_THISMAV."
+            )
+        elif others or len(self._senders) == 1:
+            self.peer = peer
+        if self.expected_uid and uid != self.expected_uid:
+            self.wrong_vehicle = (
+                f"{self.uav}: the vehicle with system id {self.sysid} has uid {uid or 'none'}, "
+                f"the roster says {self.expected_uid}."
+            )
+
+    def _alive(self, peer: Peer, now_s: float) -> bool:
+        sender = self._senders.get(peer)
+        return sender is not None and now_s - sender.heard_s <= PEER_SILENT_S
+
+    def _forget(self, now_s: float) -> None:
+        for peer in list(self._senders):
+            if peer != self.peer and not self._alive(peer, now_s):
+                del self._senders[peer]

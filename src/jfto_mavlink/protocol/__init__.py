@@ -1,0 +1,1 @@
+"""Conversations with one vehicle: commands, parameters, clocks, missions on their way."""

@@ -1,0 +1,172 @@
+"""Missions on their way: what an acknowledgement means, patience, and reading one back.
+
+Several questions of a read-back are in flight at a time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from jfto_mavlink.dialect import Message, enum_name, mavlink
+from jfto_mavlink.errors import TransferError
+from jfto_mavlink.protocol.exchange import Context, Exchange, Report, Send, Wait, backoff
+from jfto_mavlink.protocol.item import MISSION, TYPE_NAMES, Item, item_from_message
+
+ACCEPTED = mavlink.MAV_MISSION_ACCEPTED
+ERROR = mavlink.MAV_MISSION_ERROR
+BUSY = mavlink.MAV_MISSION_DENIED
+CANCELLED = mavlink.MAV_MISSION_OPERATION_CANCELLED
+OUT_OF_SEQUENCE = mavlink.MAV_MISSION_INVALID_SEQUENCE
+
+
+@dataclass(frozen=True)
+class Patience:
+    """Time-outs of a transfer, in seconds of the vehicle's clock.
+
+    ArduCopter asks for a missing item every 1.0 s and gives an upload up 8.0 s after the last good
+    item; another station's abandoned upload therefore blocks ours for 8 s.
+    """
+
+    silence_s: float = 9.5
+    starts: int = 6
+    lost_s: float = 30.0
+    busy_s: float = 60.0
+    busy_retry_s: float = 1.5
+    resend_ceiling_s: float = 1.0
+    window: int = 4
+
+
+def ack_type(context: Context, message: Message, mission_type: int) -> int | None:
+    """Type of a MISSION_ACK that is meant for us and for this kind of mission, else None."""
+    if (
+        message.get_type() != "MISSION_ACK"
+        or message.mission_type != mission_type
+        or not context.addressed(message)
+    ):
+        return None
+    return message.type
+
+
+def ack_name(code: int) -> str:
+    """Name of a MISSION_ACK type without its prefix."""
+    return enum_name("MAV_MISSION_RESULT", code).removeprefix("MAV_MISSION_")
+
+
+def download(
+    context: Context, mission_type: int = MISSION, patience: Patience | None = None
+) -> Exchange[tuple[Item, ...]]:
+    """Items on board. Raises TransferError 402 (busy) or 403 (no answer)."""
+    return (yield from read_back(context, mission_type, patience or Patience())).items
+
+
+@dataclass
+class ReadBack:
+    """Items on board, and whether another station was writing while they were read."""
+
+    items: tuple[Item, ...] = ()
+    contested: bool = False
+
+
+def read_back(context: Context, mission_type: int, patience: Patience) -> Exchange[ReadBack]:
+    """Like `download`, with a word on other stations."""
+    found = ReadBack()
+    count = yield from _count(context, mission_type, patience, found)
+    found.items = yield from _items(context, mission_type, count, patience, found)
+    yield Send(mavlink.MAVLink_mission_ack_message(*context.target, ACCEPTED, mission_type))
+    return found
+
+
+def _count(
+    context: Context, mission_type: int, patience: Patience, found: ReadBack
+) -> Exchange[int]:
+    heard_s = busy_s = context.clock()
+    waits = backoff(context.round_trip.timeout_s, patience.resend_ceiling_s)
+    while True:
+        yield Send(mavlink.MAVLink_mission_request_list_message(*context.target, mission_type))
+        until_s = context.clock() + next(waits)
+        while context.clock() < until_s:
+            message = yield Wait(until_s)
+            if message is None:
+                continue
+            if _is_count(context, message, mission_type):
+                return message.count
+            code = ack_type(context, message, mission_type)
+            if code == BUSY:
+                found.contested = True
+                heard_s = context.clock()
+                if heard_s - busy_s > patience.busy_s:
+                    raise _error(context, 402, mission_type, "another station holds the mission.")
+                until_s = heard_s + patience.busy_retry_s
+        last_s = max(heard_s, context.vehicle.heard_s or 0.0)
+        if context.clock() - last_s > patience.lost_s or context.clock() - heard_s > (
+            4 * patience.lost_s
+        ):
+            raise _error(
+                context, 403, mission_type, f"no answer for {context.clock() - heard_s:.0f} s."
+            )
+
+
+def _items(
+    context: Context, mission_type: int, count: int, patience: Patience, found: ReadBack
+) -> Exchange[tuple[Item, ...]]:
+    """All items, asked for in a window; a question unanswered is asked again after a while."""
+    held: dict[int, Item] = {}
+    due: dict[int, float] = {}
+    wait_s = dict.fromkeys(range(count), context.round_trip.timeout_s)
+    progress_s = context.clock()
+    shorter = 0
+    while len(held) < count:
+        now_s = context.clock()
+        if now_s - progress_s > patience.lost_s:
+            raise _error(
+                context, 403, mission_type, f"no item for {patience.lost_s:g} s, at {len(held)}."
+            )
+        open_items = (seq for seq in range(count) if seq not in held)
+        for seq, _ in zip(open_items, range(patience.window), strict=False):
+            if due.get(seq, now_s) <= now_s:
+                due[seq] = now_s + wait_s[seq]
+                wait_s[seq] = min(wait_s[seq] * 1.6, patience.resend_ceiling_s)
+                yield Send(
+                    mavlink.MAVLink_mission_request_int_message(*context.target, seq, mission_type)
+                )
+        message = yield Wait(min(at for seq, at in due.items() if seq not in held))
+        if message is None:
+            continue
+        code = ack_type(context, message, mission_type)
+        if code == BUSY:
+            found.contested = True
+            for seq in due:
+                due[seq] = context.clock() + patience.busy_retry_s
+        elif _is_count(context, message, mission_type) and message.count < count:
+            # The answer to a question past the end: the list has become shorter meanwhile. A single
+            # one may be an old copy.
+            shorter += 1
+            if shorter > 1:
+                raise _error(context, 402, mission_type, "another station changed it meanwhile.")
+        elif _is_item(context, message, mission_type) and message.seq < count:
+            if message.seq not in held:
+                progress_s = context.clock()
+                yield Report(f"{TYPE_NAMES[mission_type]} read back", len(held) + 1, count)
+            held[message.seq] = item_from_message(message)
+    return tuple(held[seq] for seq in range(count))
+
+
+def _is_count(context: Context, message: Message, mission_type: int) -> bool:
+    return (
+        message.get_type() == "MISSION_COUNT"
+        and message.mission_type == mission_type
+        and context.addressed(message)
+    )
+
+
+def _is_item(context: Context, message: Message, mission_type: int) -> bool:
+    return (
+        message.get_type() == "MISSION_ITEM_INT"
+        and message.mission_type == mission_type
+        and context.addressed(message)
+    )
+
+
+def _error(context: Context, code: int, mission_type: int, reason: str) -> TransferError:
+    name = TYPE_NAMES[mission_type]
+    return TransferError(code, f"{context.uav}: {name} could not be read: {reason}")

@@ -1,0 +1,206 @@
+"""The upload protocol as ArduCopter really behaves (measured on 4.5.5).
+
+The vehicle asks for each item with MISSION_REQUEST and is answered with MISSION_ITEM_INT. By itself
+it repeats a question only after 1 s. So when no question comes within the link's round-trip time,
+the last item is sent again *and the next one with it*: whichever of item and question was lost, one
+of the two is what the vehicle waits for, and it answers the other with INVALID_SEQUENCE, which is
+not a failure.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+
+from jfto_mavlink.dialect import Message, mavlink
+from jfto_mavlink.errors import TransferError
+from jfto_mavlink.protocol.exchange import Context, Exchange, Report, Send, Wait
+from jfto_mavlink.protocol.item import MISSION, TYPE_NAMES, Item
+from jfto_mavlink.protocol.transfer import (
+    ACCEPTED,
+    BUSY,
+    CANCELLED,
+    ERROR,
+    OUT_OF_SEQUENCE,
+    Patience,
+    ack_name,
+    ack_type,
+)
+
+_REQUESTS = ("MISSION_REQUEST", "MISSION_REQUEST_INT")
+
+
+class Outcome(Enum):
+    """How an upload ended that was not refused."""
+
+    ACCEPTED = "accepted"
+    # The last item was sent, the final answer was lost: only reading back can tell.
+    UNCERTAIN = "uncertain"
+
+
+@dataclass
+class _State:
+    """Where an upload stands; `asked` is the item last asked for, None before the first.
+
+    `progress_s` is when the vehicle last asked for anything, or when the mission was announced.
+    """
+
+    begun_s: float
+    progress_s: float
+    resend_s: float
+    wait_s: float
+    asked: int | None = None
+    last_sent: bool = False
+    starts: int = 1
+    busy_since_s: float | None = None
+
+
+def upload(
+    context: Context,
+    items: Sequence[Item],
+    mission_type: int = MISSION,
+    patience: Patience | None = None,
+) -> Exchange[Outcome]:
+    """Send a mission. Raises TransferError 401 (refused), 402 (busy) or 403 (no answer).
+
+    After any error the vehicle may hold half of the new mission: nothing is rolled back there.
+    """
+    return (yield from _Upload(context, items, mission_type, patience or Patience()).run())
+
+
+class _Upload:
+    def __init__(
+        self, context: Context, items: Sequence[Item], mission_type: int, patience: Patience
+    ) -> None:
+        self.context = context
+        self.items = items
+        self.mission_type = mission_type
+        self.patience = patience
+        now_s = context.clock()
+        self.state = _State(now_s, now_s, now_s, context.round_trip.timeout_s)
+
+    def run(self) -> Exchange[Outcome]:
+        """The whole conversation."""
+        context, state = self.context, self.state
+        yield from self._start()
+        while True:
+            message = yield Wait(state.resend_s)
+            if message is not None and self._is_request(message):
+                yield from self._answer(message.seq)
+                continue
+            code = None if message is None else ack_type(context, message, self.mission_type)
+            outcome = None if code is None else (yield from self._acknowledged(code))
+            if outcome is None and context.clock() >= state.resend_s:
+                outcome = yield from self._silence(context.clock())
+            if outcome is not None:
+                return outcome
+
+    def _is_request(self, message: Message) -> bool:
+        return (
+            message.get_type() in _REQUESTS
+            and message.mission_type == self.mission_type
+            and self.context.addressed(message)
+            and 0 <= message.seq < len(self.items)
+        )
+
+    def _start(self, wait_s: float | None = None) -> Exchange[None]:
+        """Announce the mission; the vehicle begins to ask from item 0."""
+        state, context = self.state, self.context
+        state.asked, state.last_sent = None, False
+        state.wait_s = wait_s or context.round_trip.timeout_s
+        state.resend_s = context.clock() + state.wait_s
+        yield Send(
+            mavlink.MAVLink_mission_count_message(
+                *context.target, len(self.items), self.mission_type
+            )
+        )
+
+    def _answer(self, seq: int) -> Exchange[None]:
+        state, now_s = self.state, self.context.clock()
+        state.progress_s = now_s
+        state.busy_since_s = None
+        if state.asked != seq:
+            state.asked = seq
+            state.wait_s = self.context.round_trip.timeout_s
+        state.resend_s = now_s + state.wait_s
+        yield from self._send_item(seq)
+        yield Report(f"{TYPE_NAMES[self.mission_type]} upload", seq + 1, len(self.items))
+
+    def _send_item(self, seq: int) -> Exchange[None]:
+        self.state.last_sent |= seq == len(self.items) - 1
+        yield Send(self.items[seq].to_message(*self.context.target, seq, self.mission_type))
+
+    def _silence(self, now_s: float) -> Exchange[Outcome | None]:
+        """No question came in time: ask for one, or conclude."""
+        state, patience = self.state, self.patience
+        alive_s = max(state.begun_s, self.context.vehicle.heard_s or 0.0)
+        if now_s - alive_s > patience.lost_s:
+            raise self._error(403, f"silent for {patience.lost_s:g} s")
+        # Longer and longer, so that a slow link is not filled with copies.
+        state.wait_s = min(state.wait_s * 1.6, patience.resend_ceiling_s)
+        if state.asked is None:
+            if now_s - state.progress_s > patience.lost_s and state.busy_since_s is None:
+                raise self._error(403, f"not answered for {patience.lost_s:g} s")
+            yield from self._start(state.wait_s)
+            return None
+        if now_s - state.progress_s > patience.silence_s:
+            # Longer than the vehicle keeps an upload open.
+            if state.last_sent:
+                return Outcome.UNCERTAIN
+            yield from self._start_over(403, "no question for longer than an upload stays open")
+            return None
+        state.resend_s = now_s + state.wait_s
+        asked = state.asked
+        yield from self._send_item(asked)
+        if asked + 1 < len(self.items):
+            yield from self._send_item(asked + 1)
+        return None
+
+    def _start_over(self, code: int, why: str) -> Exchange[None]:
+        state = self.state
+        if state.starts >= self.patience.starts:
+            raise self._error(code, f"tried {state.starts} times: {why}", state.asked)
+        state.starts += 1
+        state.progress_s = self.context.clock()
+        yield Report(f"{TYPE_NAMES[self.mission_type]} upload starts over: {why}")
+        yield from self._start()
+
+    def _acknowledged(self, code: int) -> Exchange[Outcome | None]:
+        """React to a MISSION_ACK; an outcome ends the upload."""
+        state = self.state
+        finished = state.last_sent or not self.items
+        if code == ACCEPTED:
+            # Before the last item was sent this is the echo of an earlier transfer.
+            return Outcome.ACCEPTED if finished else None
+        if code == BUSY:
+            yield from self._busy()
+        elif code == ERROR and finished:
+            # The answer to a copy of the last item: the upload is closed, one way or other.
+            return Outcome.UNCERTAIN
+        elif code in (ERROR, CANCELLED):
+            # With nothing asked yet it answers items of the try before.
+            if state.asked is not None:
+                yield from self._start_over(401, f"ended by the vehicle with {ack_name(code)}")
+        elif code != OUT_OF_SEQUENCE:
+            raise self._error(401, f"refused: {ack_name(code)}", state.asked)
+        return None
+
+    def _busy(self) -> Exchange[None]:
+        """Another station's upload is open: wait for our turn (unless ours is the open one)."""
+        state, now_s = self.state, self.context.clock()
+        if state.asked is not None:
+            return
+        if state.busy_since_s is None:
+            state.busy_since_s = now_s
+            yield Report("waiting: another station is writing this vehicle's mission")
+        if now_s - state.busy_since_s > self.patience.busy_s:
+            raise self._error(402, f"kept out by another station for {self.patience.busy_s:g} s")
+        state.resend_s = now_s + self.patience.busy_retry_s
+
+    def _error(self, code: int, reason: str, item: int | None = None) -> TransferError:
+        place = "" if item is None else f" at item {item}"
+        texts = self.context.vehicle.texts_since(self.state.begun_s)
+        words = "".join(f' "{text}"' for text in texts)
+        name = TYPE_NAMES[self.mission_type]
+        return TransferError(code, f"{self.context.uav}: {name} upload {reason}{place}.{words}")

@@ -1,0 +1,356 @@
+"""Whole flights of a small fleet in virtual time, good ones and bad ones."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from jfto_mavlink.dialect import MODES, mavlink
+from jfto_mavlink.errors import CommandError, FlightError, TransferError
+from jfto_mavlink.fleet.fly import FlySettings, deliver_to_fleet, fly_fleet
+from jfto_mavlink.flight.control import (
+    StartLine,
+    brake,
+    change_mission,
+    land,
+    pause,
+    resume,
+    return_home,
+    start,
+)
+from jfto_mavlink.flight.follow import follow
+from jfto_mavlink.flight.preflight import GateSettings, gate
+from jfto_mavlink.mission.build import build_missions
+from jfto_mavlink.mission.deliver import deliver
+from jfto_mavlink.mission.settings import MissionSettings
+from jfto_mavlink.protocol.command import send_command, set_mode
+from jfto_sim import LinkFaults, Vehicle, VehicleConfig
+from support.rehearsal import CLEAN, Rehearsal
+
+READY_S = 45.0
+
+
+class Field:
+    """A fleet on its pads, ready to arm, missions on board and released."""
+
+    def __init__(self, plan, settings: MissionSettings | None = None, **extra) -> None:
+        built = build_missions(plan, settings or MissionSettings())
+        self.missions = {mission.uav: mission for mission in built}
+        vehicles = {
+            uav: Vehicle(
+                VehicleConfig(
+                    sysid=n,
+                    home_lat_deg=mission.home_deg_m[0],
+                    home_lon_deg=mission.home_deg_m[1],
+                    home_alt_m=mission.home_deg_m[2],
+                )
+            )
+            for n, (uav, mission) in enumerate(self.missions.items(), 1)
+        }
+        self.events = []
+        self.said = []
+        self.runner = Rehearsal(vehicles, step_s=0.02, on_event=self.events.append, **extra)
+        self.runner.advance(READY_S)
+        self.release = deliver_to_fleet(
+            self.runner, {u: m.mission for u, m in self.missions.items()}
+        ).release()
+
+    def report(self, uav, step) -> None:
+        self.said.append(f"{uav} {step.text}")
+
+    def fly(self, settings: FlySettings | None = None):
+        return fly_fleet(
+            self.runner,
+            self.runner.clock,
+            self.release,
+            self.missions,
+            settings or FlySettings(),
+            self.report,
+        )
+
+    def take_off(self, uav: str = "uav1"):
+        """One vehicle in the air on its mission; returns the activity that follows it."""
+        line = StartLine({uav: self.runner.now_s + 5.0})
+
+        def journey(context):
+            lift_off_s = yield from start(context, line)
+            return (yield from follow(context, self.missions[uav], lift_off_s))
+
+        activity = self.runner.start(uav, journey, self.report)
+        vehicle = self.runner.station.vehicle(uav)
+        assert self.runner.until(lambda: vehicle.height_m > 5.0, 60.0)
+        return activity
+
+    def do(self, uav, job):
+        """Result of one conversation; its error is raised."""
+        result = self.runner.run({uav: job}, self.report)[uav]
+        if isinstance(result, Exception):
+            raise result
+        return result
+
+
+@pytest.mark.parametrize("style", ["fly_through", "hold"])
+def test_a_fleet_flies_its_plan_to_the_end(plan, style):
+    """Every waypoint within 2 m, then home, landed, disarmed."""
+    field = Field(plan, MissionSettings(style=style))
+    records = field.fly()
+    for uav, record in records.items():
+        assert record.ended == "landed"
+        assert record.missed(2.0) == ()
+        assert [p.waypoint_id for p in record.passages] == list(field.missions[uav].waypoint_ids)
+        assert all(p.reached_s is not None for p in record.passages)
+        home = field.missions[uav].home_deg_m
+        vehicle = field.runner.station.vehicle(uav)
+        assert abs(vehicle.lat_deg - home[0]) < 2e-6
+        assert not vehicle.armed
+
+
+def test_a_fleet_flies_over_a_bad_link(plan):
+    """30 % loss each way costs patience, not waypoints."""
+    loss = LinkFaults(loss=0.3)
+    records = Field(plan, to_vehicle=loss, from_vehicle=loss, seed=2).fly()
+    assert all(record.ended == "landed" for record in records.values())
+    assert all(record.missed(2.5) == () for record in records.values())
+
+
+def test_a_staggered_start_keeps_its_distance_in_time(plan):
+    """The second vehicle starts when its turn comes."""
+    field = Field(plan)
+    field.fly(FlySettings(stagger_s=6.0))
+    started = [e.at_s for e in field.events if e.kind == "mode" and e.text == "mode AUTO"]
+    assert started[1] - started[0] == pytest.approx(6.0, abs=0.5)
+
+
+def test_time_gates_hold_the_fleet_to_the_clock(plan):
+    """Flown once for true times, then gated: each vehicle leaves its gate at the planned second."""
+    first = Field(plan)
+    records = first.fly()
+    routes = tuple(
+        dataclasses.replace(route, arrival_s=tuple(p.reached_s for p in records[uav.id].passages))
+        for uav, route in zip(plan.uavs, plan.routes, strict=True)
+    )
+    timed = dataclasses.replace(plan, routes=routes)
+    lead_s = 30.0
+    start_unix_s = VehicleConfig().utc_at_boot_us / 1e6 + READY_S + lead_s
+    settings = MissionSettings(gates=(0,), start_unix_s=start_unix_s)
+    field = Field(timed, settings)
+    left = {}
+
+    def watch(event_uav, vehicle, delay_seq):
+        if event_uav not in left and (vehicle.mission_current or 0) > delay_seq:
+            left[event_uav] = field.runner.vehicles[event_uav].utc_us / 1e6
+
+    gate_seq = {u: m.item_map.items[0] + 2 for u, m in field.missions.items()}
+    tick = field.runner.station.tick
+
+    def tick_and_watch():
+        tick()
+        for uav, seq in gate_seq.items():
+            watch(uav, field.runner.station.vehicle(uav), seq)
+
+    field.runner.station.tick = tick_and_watch
+    field.fly(FlySettings(start_at_s=READY_S + lead_s))
+    for uav, route in zip(plan.uavs, routes, strict=True):
+        planned = np.ceil(start_unix_s + route.arrival_s[0] + settings.gate_slack_s)
+        assert left[uav.id] == pytest.approx(planned, abs=0.6)
+
+
+def test_a_fleet_ready_too_late_for_its_gates_stays_on_the_ground(plan):
+    """A start in the past would desynchronise everything."""
+    with pytest.raises(FlightError, match="too late for its time gates"):
+        Field(plan).fly(FlySettings(start_at_s=READY_S + 1.0))
+
+
+def test_a_vehicle_that_is_not_ready_keeps_all_on_the_ground(plan):
+    """Its own words come through verbatim, and nobody is armed."""
+    field = Field(plan)
+    field.runner.vehicles["uav2"].battery.volts = 9.0
+    field.runner.vehicles["uav2"].params.store("BATT_ARM_VOLT", 14.0)
+    field.runner.advance(40.0)
+    settings = FlySettings(gate=GateSettings(wait_s=5.0))
+    with pytest.raises(FlightError, match="No vehicle is armed") as caught:
+        field.fly(settings)
+    assert "uav2" in str(caught.value)
+    assert "uav1" not in str(caught.value)
+    assert not any(event.kind == "armed" for event in field.events)
+
+
+def test_a_mission_changed_on_board_after_its_release_is_noticed(plan):
+    """Another station wrote it in between: the gate reads back once more."""
+    field = Field(plan)
+    store = field.runner.vehicles["uav1"].store
+    store.put(7, store.mission[11])
+    with pytest.raises(FlightError, match="uav1: mission on board: item 7"):
+        field.fly()
+    assert not any(event.kind == "armed" for event in field.events)
+
+
+def test_only_the_released_mission_is_flown(plan):
+    """A mission built anew, with other settings, needs a release of its own."""
+    field = Field(plan)
+    built = build_missions(plan, MissionSettings(style="hold"))
+    field.missions = {mission.uav: mission for mission in built}
+    with pytest.raises(FlightError, match="not the released mission"):
+        field.fly()
+
+
+def test_a_vehicle_that_does_not_arm_holds_the_others_back(plan):
+    """Arming fails for one: the other disarms again, both say why."""
+    field = Field(plan)
+    runner = field.runner
+    original = runner.vehicles["uav2"].arming.arm
+
+    def refuse(*_args, **_kwargs):
+        runner.vehicles["uav2"].text(2, "Arm: Compass not healthy")
+        return False
+
+    runner.vehicles["uav2"].arming.arm = refuse
+    with pytest.raises(FlightError, match="held back, because uav2") as caught:
+        field.fly()
+    assert "Arm: Compass not healthy" in str(caught.value)
+    assert original is not None
+    runner.advance(2.0)
+    assert not any(runner.station.vehicle(uav).armed for uav in field.missions)
+    assert not any(event.text == "mode AUTO" for event in field.events)
+
+
+def test_pause_and_resume_reach_the_end(plan):
+    """Paused it stands, resumed it goes on with the same waypoint."""
+    field = Field(plan)
+    activity = field.take_off()
+    vehicle = field.runner.station.vehicle("uav1")
+    assert field.runner.until(lambda: (vehicle.mission_current or 0) > 6, 60.0)
+    field.do("uav1", pause)
+    field.runner.advance(6.0)
+    assert sum(v * v for v in vehicle.velocity_ned_mps) < 0.3**2
+    field.do("uav1", resume)
+    assert field.runner.until(lambda: activity.done, 300.0)
+    assert activity.result.missed(2.0) == ()
+
+
+def test_only_a_mission_can_be_paused(plan):
+    """In another mode the pause says so instead of doing nothing."""
+    field = Field(plan)
+    with pytest.raises(FlightError, match="STABILIZE"):
+        field.do("uav1", pause)
+
+
+@pytest.mark.parametrize(("job", "mode"), [(return_home, "RTL"), (land, "LAND"), (brake, "BRAKE")])
+def test_aborts_are_seen_to_work(plan, job, mode):
+    """Each ends in the mode it asks for; the flight record keeps it."""
+    field = Field(plan)
+    activity = field.take_off()
+    field.do("uav1", job)
+    assert field.runner.station.vehicle("uav1").mode == MODES[mode]
+    if mode != "BRAKE":
+        assert field.runner.until(lambda: activity.done, 300.0)
+        assert activity.result.ended == "landed"
+        assert mode in activity.result.modes
+        assert activity.result.missed(2.0) != ()
+
+
+def test_a_mission_is_not_written_over_in_auto(plan):
+    """There each stored item restarts the leg, and half a mission could fly."""
+    field = Field(plan)
+    field.take_off()
+    mission = field.missions["uav1"].mission
+    with pytest.raises(TransferError, match="AUTO") as caught:
+        field.do("uav1", lambda context: deliver(context, mission))
+    assert caught.value.code == 405
+
+
+def test_a_changed_mission_in_flight_holds_first_and_starts_at_its_first_item(plan):
+    """BRAKE, upload, read back, current item set, AUTO again."""
+    field = Field(plan)
+    activity = field.take_off()
+    vehicle = field.runner.station.vehicle("uav1")
+    assert field.runner.until(lambda: (vehicle.mission_current or 0) > 8, 60.0)
+    new = build_missions(plan, MissionSettings(style="hold"))[0]
+    delivered = field.do("uav1", lambda context: change_mission(context, new.mission))
+    assert delivered.digest == new.digest
+    modes = [e.text for e in field.events if e.kind == "mode"]
+    assert modes[-2:] == ["mode BRAKE", "mode AUTO"]
+    field.runner.advance(2.0)
+    assert vehicle.mission_current < 8
+    assert field.runner.until(lambda: activity.done, 400.0)
+
+
+def test_a_refused_change_in_flight_puts_the_old_mission_back(plan):
+    """The vehicle goes on holding with the mission it had, and the error says so."""
+    field = Field(plan)
+    field.take_off()
+    before = list(field.runner.vehicles["uav1"].store.mission)
+    items = field.missions["uav1"].mission.items
+    bad = dataclasses.replace(
+        field.missions["uav1"].mission,
+        items=(*items[:6], dataclasses.replace(items[6], command=31_000), *items[7:]),
+    )
+    with pytest.raises(TransferError, match="restored"):
+        field.do("uav1", lambda context: change_mission(context, bad))
+    assert field.runner.vehicles["uav1"].store.mission[1:] == before[1:]
+    assert field.runner.station.vehicle("uav1").mode == MODES["BRAKE"]
+
+
+def test_a_link_lost_in_flight_is_told_and_the_flight_goes_on(plan):
+    """The vehicle flies its mission without us; waypoints passed unseen count as reached."""
+    field = Field(plan, MissionSettings(style="hold"))
+    activity = field.take_off()
+    field.runner.air.set_faults(1, LinkFaults(cut=True), LinkFaults(cut=True))
+    field.runner.advance(20.0)
+    assert field.events[-1].kind == "link_lost"
+    field.runner.air.set_faults(1, CLEAN, CLEAN)
+    assert field.runner.until(lambda: activity.done, 300.0)
+    assert activity.result.ended == "landed"
+    assert all(p.reached_s is not None for p in activity.result.passages)
+
+
+def test_a_low_battery_is_told(plan):
+    """Published once, when it sinks below the mark."""
+    field = Field(plan)
+    field.take_off()
+    message = mavlink.MAVLink_sys_status_message(0, 0, 0, 0, 11_000, 0, 12, 0, 0, 0, 0, 0, 0)
+    codec = mavlink.MAVLink(None, 1, 1)
+    for _ in range(3):
+        field.runner.air.down[1].put(message.pack(codec), field.runner.now_s)
+        field.runner.advance(0.04)
+    kinds = [event.kind for event in field.events]
+    assert "battery_low" in kinds
+
+
+def test_a_command_refused_carries_the_vehicles_reason(plan):
+    """Arming in AUTO is refused by the autopilot, in its own words."""
+    field = Field(plan)
+
+    def arm_in_auto(context):
+        yield from set_mode(context, MODES["AUTO"])
+        yield from send_command(context, mavlink.MAV_CMD_COMPONENT_ARM_DISARM, (1.0,))
+
+    with pytest.raises(CommandError, match="AUTO mode not armable") as caught:
+        field.do("uav1", arm_in_auto)
+    assert caught.value.code == 503
+
+
+def test_the_gate_names_everything_that_is_missing_at_once(plan):
+    """On a vehicle just switched on: position, fix, satellites."""
+    built = build_missions(plan, MissionSettings())[0]
+    runner = Rehearsal({"uav1": Vehicle(VehicleConfig())})
+    runner.advance(3.0)
+    settings = GateSettings(wait_s=1.0)
+    found = runner.run(
+        {"uav1": lambda context: gate(context, built.mission, built.home_deg_m[:2], settings)}
+    )["uav1"]
+    assert any("GPS fix" in text for text in found)
+    assert any("position estimate" in text for text in found)
+    assert all(text.startswith("uav1: ") for text in found)
+
+
+def test_a_vehicle_on_the_wrong_pad_is_refused(plan):
+    """Swapped vehicles would cross each other's routes."""
+    field = Field(plan)
+    settings = GateSettings(wait_s=1.0)
+    home = field.missions["uav2"].home_deg_m[:2]
+    mission = field.missions["uav1"].mission
+    found = field.do("uav1", lambda context: gate(context, mission, home, settings))
+    assert found == ("uav1: stands 20 m from its planned pad",)
