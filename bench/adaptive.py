@@ -27,7 +27,7 @@ from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.plan_file import read_plan
 from jfto_msgs_py.vehicle import VehiclePose
 from jfto_planner.plan_trajectory import timed_trajectories
-from jfto_power import allocate
+from jfto_power.allocation import allocate
 from jfto_power.horizon import EnergyBook, plan_horizon
 from jfto_power.power_options import PowerOptions
 from jfto_topology.horizon import HorizonSettings, TopologyHorizon

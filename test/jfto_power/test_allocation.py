@@ -7,14 +7,10 @@ from hypothesis import strategies as st
 
 from jfto_msgs_py.errors import InfeasibleError, InputError
 from jfto_msgs_py.radio import Radio
-from jfto_power import (
-    EnergyShortage,
-    ReferenceAllocator,
-    allocate,
-    allocate_prefix,
-    kkt_residual,
-    objective_bps,
-)
+from jfto_power.allocation import allocate, allocate_prefix
+from jfto_power.kkt import kkt_residual, objective_bps
+from jfto_power.reference import ReferenceAllocator
+from jfto_power.shortage import EnergyShortage
 from jfto_world.radio import noise_w
 
 READINGS = ("total", "per_hertz")

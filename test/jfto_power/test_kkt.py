@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from jfto_msgs_py.radio import Radio
-from jfto_power import allocate, kkt_residual, objective_bps
+from jfto_power.allocation import allocate
+from jfto_power.kkt import kkt_residual, objective_bps
 from jfto_world.radio import noise_w
 
 RADIO = Radio()

@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 
 from jfto_msgs_py.radio import Radio
-from jfto_power import EnergyShortage, ReferenceAllocator, allocate, objective_bps
+from jfto_power.allocation import allocate
+from jfto_power.kkt import objective_bps
+from jfto_power.reference import ReferenceAllocator
+from jfto_power.shortage import EnergyShortage
 
 
 @pytest.mark.parametrize("reading", ["total", "per_hertz"])

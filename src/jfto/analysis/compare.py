@@ -10,9 +10,14 @@ from jfto.console.progress import Watcher
 from jfto.planning.network import Network, network_of
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.types import Array, Flags
-from jfto_power import Allocation, EnergyShortage, allocate, allocate_prefix
-from jfto_topology import PoweredTopology, Topology, a_lmst, cpapo, ctop, mtp
+from jfto_power.allocation import Allocation, allocate, allocate_prefix
+from jfto_power.shortage import EnergyShortage
+from jfto_topology.a_lmst import a_lmst
+from jfto_topology.cpapo import cpapo
+from jfto_topology.ctop import Topology, ctop
 from jfto_topology.metrics import average_hops, connectivity_rate, energy_used, slot_throughput
+from jfto_topology.mtp import mtp
+from jfto_topology.powered import PoweredTopology
 from jfto_world.radio import degrees
 
 

@@ -12,7 +12,7 @@ from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.radio import Radio
 from jfto_msgs_py.types import Array
 from jfto_msgs_py.units import dbm_to_w
-from jfto_topology import energy_floor
+from jfto_topology.energy_floor import energy_floor
 from jfto_world.radio import LogDistanceChannel, make_channel, pairwise_distances
 
 EnergyFloor = Callable[[Array, float], Array]
