@@ -1,13 +1,6 @@
 """The node graph of a scenario, for `ros2 launch jfto jfto.launch.py scenario:=…`.
 
-scenario      parameter file, absolute or relative to the working directory
-backend       sim: simulated vehicles; sitl, real: vehicles behind `vehicles`; replay: play `bag`
-vehicles      for sitl and real: links, or roster entries as `jfto up --vehicles` takes them,
-              separated by commas; left out: the scenario's section mavlink_bridge
-speedup       sim: how much faster than the wall the vehicles' time runs, which all nodes keep
-arm           true: let the start service arm vehicles that are real
-plan          plan file: loaded, or planned and kept there if it does not exist
-record        true: record the graph's topics to a bag in the working directory
+It starts the processes of `jfto.supervision.graph_table`, which `jfto up` and `jfto run` start too.
 """
 
 import tempfile
@@ -26,21 +19,21 @@ ARGUMENTS = (
     ("speedup", "1.0", (), "For sim: how much faster than the wall."),
     ("arm", "false", ("true", "false"), "Let the start service arm real vehicles."),
     ("bag", "", (), "Bag to play, for replay."),
+    (
+        "directory",
+        "",
+        (),
+        "Where plan, lift-off, energy, flight and logs are kept; else a new one.",
+    ),
     ("plan", "", (), "Plan file: loaded, or made if it does not exist."),
     ("use_sim_time", "false", ("true", "false"), "Take the time from /clock."),
-    ("record", "false", ("true", "false"), "Record the graph's topics."),
+    ("record", "false", ("true", "false"), "Record the graph's topics to the directory."),
     ("rviz", "false", ("true", "false"), "Open RViz."),
     ("foxglove", "false", ("true", "false"), "Serve Foxglove on port 8765."),
 )
-# Where the simulated vehicles send to and the bridge listens.
-SIM_LINK = "127.0.0.1:14550"
-# Where the simulated fleet takes the powers of its radios.
-SIM_CONTROL_PORT = 14551
-INPUTS_REGEX = "/[^/]+/(pose|fix|battery)"
-# As jfto_msgs_py.ros.topics has it.
-RECORDED = (
-    "^(/jfto/.*|/[^/]+/jfto/.*|/[^/]+/(pose|fix|battery)|/diagnostics|/rosout|/parameter_events)$"
-)
+# What a replay takes from its bag: the planner's words and the measurements.
+INPUTS_REGEX = "/[^/]+/(pose|fix|battery)|/[^/]+/jfto/(path|trajectory)"
+RESPAWN = {"respawn": True, "respawn_delay": 0.5, "output": "screen"}
 
 
 def generate_launch_description():
@@ -58,31 +51,18 @@ def generate_launch_description():
 
 def _start(context):
     """Processes for the arguments as given."""
+    from jfto.supervision.graph_table import graph_table, recorder_arguments
+
     given = {name: LaunchConfiguration(name).perform(context) for name, *_ in ARGUMENTS}
-    is_replay, is_sim = given["backend"] == "replay", given["backend"] == "sim"
-    if is_replay and not given["bag"]:
-        raise RuntimeError("backend:=replay needs bag:=…, the bag to play.")
-    # A replay has the planner's trajectories in its bag, and the bag's clock.
-    sim_time = given["use_sim_time"] == "true" or is_replay or is_sim
-    if not (is_replay or given["plan"]):
-        # Planner, bridge and simulation meet in this file.
-        given["plan"] = str(Path(tempfile.mkdtemp(prefix="jfto-")) / "plan.json")
-    started = [
-        _node("topology_node", given, sim_time),
-        _node("power_node", given, sim_time),
-    ]
-    if is_replay:
-        play = ["ros2", "bag", "play", given["bag"], "--clock", "--regex"]
-        wanted = f"{INPUTS_REGEX}|/[^/]+/jfto/(path|trajectory)"
-        started.append(ExecuteProcess(cmd=[*play, wanted], output="screen"))
-    else:
-        plan = {"plan_file": given["plan"], "await_lift_off": True}
-        started.append(_node("planner_node", given, sim_time, **plan))
-        started += _vehicles(given, sim_time)
-    if given["record"] == "true":
-        record = ["ros2", "bag", "record", "-s", "mcap", "--regex", RECORDED]
-        record += ["--use-sim-time"] if sim_time else []
-        started.append(ExecuteProcess(cmd=record, output="screen"))
+    options = _options(given)
+    started = []
+    if options.record:
+        record = ["ros2", "run", "jfto", "jfto", *recorder_arguments(options)]
+        started.append(ExecuteProcess(cmd=record, **RESPAWN))
+    started += [_node(row, options.scenario) for row in graph_table(options)]
+    if given["backend"] == "replay":
+        play = ["ros2", "bag", "play", given["bag"], "--clock", "--regex", INPUTS_REGEX]
+        started.append(ExecuteProcess(cmd=play, output="screen"))
     if given["rviz"] == "true":
         started.append(Node(package="rviz2", executable="rviz2", arguments=["-f", "map"]))
     if given["foxglove"] == "true":
@@ -90,37 +70,65 @@ def _start(context):
     return started
 
 
-def _vehicles(given, sim_time):
-    """The bridge, and simulated vehicles where they are asked for."""
-    own = {"plan_file": given["plan"]}
-    if given["backend"] == "sim":
-        speedup = float(given["speedup"])
-        fleet = {"endpoint": f"udpto:{SIM_LINK}", "speedup": speedup, **own}
-        fleet["control_port"] = SIM_CONTROL_PORT
-        radio = {"driver": "sim", "control": f"127.0.0.1:{SIM_CONTROL_PORT}"}
-        own |= {"endpoints": [f"udpin:{SIM_LINK}"], "speedup": speedup}
-        own |= {"vehicle_stamps": True, "allow_arming": True}
-        return [
-            _node("simulated_fleet", given, sim_time, **fleet),
-            _node("mavlink_bridge", given, sim_time, **own),
-            _node("radio_node", given, sim_time, **radio),
-        ]
-    named = [text for text in given["vehicles"].split(",") if text]
-    own["roster" if "=" in given["vehicles"] else "endpoints"] = named
-    own["allow_arming"] = given["arm"] == "true"
-    return [_node("mavlink_bridge", given, sim_time, **own)]
+def _options(given):
+    """What is run, with the scenario written out beside what it keeps."""
+    from jfto.pipeline.directory import PLAN_NAME, SCENARIO_NAME, write_scenario
+    from jfto.planning.scenario_file import load_scenario
+    from jfto.supervision.graph_table import (
+        HORIZON_SLOTS,
+        START_DELAY_S,
+        GraphOptions,
+        suited_to,
+    )
+
+    is_replay = given["backend"] == "replay"
+    if is_replay and not given["bag"]:
+        raise RuntimeError("backend:=replay needs bag:=…, the bag to play.")
+    loaded = load_scenario(given["scenario"])
+    directory = Path(given["directory"] or tempfile.mkdtemp(prefix="jfto-")).resolve()
+    write_scenario(loaded, directory / SCENARIO_NAME)
+    plan = Path(given["plan"]).resolve() if given["plan"] else directory / PLAN_NAME
+    return GraphOptions(
+        directory / SCENARIO_NAME,
+        directory,
+        # A replay has the planner's words in its bag, and the bag's clock.
+        plan=None if is_replay else plan,
+        vehicles=None if is_replay else _vehicles(given, loaded),
+        record=given["record"] == "true",
+        use_sim_time=is_replay or given["use_sim_time"] == "true",
+        sections=loaded.node_options,
+        suited=suited_to(START_DELAY_S, HORIZON_SLOTS),
+    )
 
 
-def _node(name, given, sim_time, **own):
-    """One of our nodes with the scenario's parameters and its own, started again if it dies."""
-    own = {key: value for key, value in own.items() if value}
+def _vehicles(given, loaded):
+    """Who flies, as `jfto up --vehicles` would have it."""
+    from jfto.supervision.vehicles import FROM_SCENARIO, SIMULATED, choose_vehicles
+
+    texts = [text for text in given["vehicles"].split(",") if text] or [FROM_SCENARIO]
+    return choose_vehicles(
+        [SIMULATED] if given["backend"] == "sim" else texts,
+        loaded.scenario.fleet.ids,
+        loaded.node_options.get("mavlink_bridge", {}),
+        speedup=float(given["speedup"]) if given["backend"] == "sim" else 1.0,
+        arm=given["arm"] == "true",
+    )
+
+
+def _node(row, scenario):
+    """One of our nodes with all its parameters, started again if it dies."""
     return Node(
         package="jfto",
-        executable=name,
-        name=name,
-        output="screen",
+        executable=row.name,
+        name=row.name,
         emulate_tty=True,
-        parameters=[given["scenario"], {"use_sim_time": sim_time, **own}],
-        respawn=True,
-        respawn_delay=0.5,
+        parameters=[str(scenario), {key: _plain(value) for key, value in row.parameters.items()}],
+        **RESPAWN,
     )
+
+
+def _plain(value):
+    """A parameter as launch takes it: no paths, lists for tuples."""
+    if isinstance(value, Path):
+        return str(value)
+    return list(value) if isinstance(value, tuple) else value

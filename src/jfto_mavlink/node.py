@@ -40,14 +40,8 @@ from jfto_mavlink.guided.target import MapFrame
 from jfto_mavlink.mission.build import VehicleMission, build_missions
 from jfto_mavlink.mission.limits import Ground
 from jfto_mavlink.mission.settings import MissionSettings, settings_for
-from jfto_mavlink.open_vehicles import (
-    FleetRequest,
-    OpenSimulated,
-    open_real,
-    rates,
-    read_roster,
-    simulated_count,
-)
+from jfto_mavlink.named_vehicles import read_roster, simulated_count
+from jfto_mavlink.open_vehicles import FleetRequest, OpenSimulated, open_real, rates
 from jfto_mavlink.options import BridgeOptions
 from jfto_mavlink.protocol.exchange import Context, Report
 from jfto_mavlink.ros_messages import Expected, encode_battery, encode_fix, node_status, uav_status

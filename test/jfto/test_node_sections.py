@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from jfto.planning.scenario_file import load_scenario
-from jfto.supervision.graph import GraphOptions, graph_commands
+from jfto.supervision.graph import graph_commands
+from jfto.supervision.graph_table import GraphOptions
 from jfto_msgs_py.errors import ScenarioError
 
 SHARED = "/**: {ros__parameters: {fleet: {count: 3}}}\n"
@@ -26,7 +27,7 @@ def test_a_nodes_own_parameters_are_kept_apart(tmp_path) -> None:
     assert loaded.scenario.network.k_min == 1
     assert loaded.node_options == {"topology_node": {"stale_after_s": 5.0}}
     options = GraphOptions(
-        loaded.path, tmp_path, tmp_path / "plan.json", parameters=loaded.node_options
+        loaded.path, tmp_path, tmp_path / "plan.json", sections=loaded.node_options
     )
     commands = {node.name: node.command for node in graph_commands(options)}
     assert "stale_after_s:=5.000000000" in commands["topology_node"]

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from jfto.console.watcher import TerminalWatcher
     from jfto.pipeline.run import Run
     from jfto.planning.scenario_file import LoadedScenario
-    from jfto.supervision.vehicles import Vehicles
+    from jfto.supervision.graph_table import Vehicles
 
 
 @click.command("run")
@@ -136,14 +136,14 @@ def _vehicles(loaded: LoadedScenario, choices: dict[str, Any]) -> Vehicles:
     """Who flies; raises InputError or RosterError before anything is done."""
     from jfto.conduct.pace import default_speedup
     from jfto.conduct.word import require_word
-    from jfto.supervision.vehicles import SIMULATED, choose_vehicles
+    from jfto.supervision.vehicles import are_simulated, choose_vehicles
 
     texts, uavs = roster_texts(choices["vehicles"]), loaded.scenario.fleet.ids
     speedup = choices["speedup"]
     if speedup is None:
         guided = loaded.scenario.trajectory.mode == "guided"
-        simulated = texts[0].partition(":")[0] == SIMULATED
-        speedup = default_speedup(len(uavs)) if simulated and not guided else 1.0
+        fast = are_simulated(texts) and not guided
+        speedup = default_speedup(len(uavs)) if fast else 1.0
     vehicles = choose_vehicles(
         texts,
         uavs,

@@ -13,11 +13,11 @@ import click
 
 from jfto.cli.mission_options import PATH, key_option, roster_texts, speedup_option
 from jfto.cli.options import debug_option, load, out_option, scenario_argument, set_option
+from jfto.supervision.graph_table import HORIZON_SLOTS, START_DELAY_S
 
 if TYPE_CHECKING:
     from jfto.planning.scenario_file import LoadedScenario
-    from jfto.supervision.graph import GraphOptions
-    from jfto.supervision.vehicles import Vehicles
+    from jfto.supervision.graph_table import GraphOptions, Vehicles
 
 EXIT_UNCLEAN = 1
 
@@ -48,15 +48,19 @@ EXIT_UNCLEAN = 1
 @click.option(
     "--start-delay",
     type=click.FloatRange(0.0),
-    default=10.0,
+    default=START_DELAY_S,
     show_default=True,
     metavar="S",
     help="Lift-off after this many seconds.",
 )
 @click.option(
-    "--horizon", type=click.IntRange(0), default=10, show_default=True, metavar="SLOTS",
+    "--horizon",
+    type=click.IntRange(0),
+    default=HORIZON_SLOTS,
+    show_default=True,
+    metavar="SLOTS",
     help="Slots solved ahead; 0: all that are left. The scenario's horizon_slots wins.",
-)  # fmt: skip
+)
 @click.option("--for", "duration", type=click.FloatRange(0.0), metavar="S", help="End after S.")
 @click.option("--use-sim-time", is_flag=True, help="Take the time from /clock.")
 @set_option
@@ -92,10 +96,11 @@ def command(
     """
     loaded = load(scenario, overrides)
 
-    from jfto.supervision.graph import EXIT_STATUSES, graph_commands
+    from jfto.supervision.graph import graph_commands
+    from jfto.supervision.graph_table import EXIT_STATUSES
     from jfto.supervision.supervisor import LOGS, Supervisor
 
-    options = _graph(loaded, out, plan_file, choices)
+    options = graph_of(loaded, out, plan_file, choices)
     directory = options.directory
     click.echo(f"Logs          {directory / LOGS}   (Ctrl-C stops all)")
     supervisor = Supervisor(graph_commands(options), directory, _tell)
@@ -113,13 +118,12 @@ def command(
     return EXIT_UNCLEAN if outcome.unclean else 0
 
 
-def _graph(
+def graph_of(
     loaded: LoadedScenario, out: Path | None, plan_file: Path | None, choices: Mapping[str, Any]
 ) -> GraphOptions:
     """What is to run, in a directory that has its scenario and the plan, where one is given."""
     from jfto.pipeline.directory import PLAN_NAME, SCENARIO_NAME, write_scenario
-    from jfto.supervision.graph import GraphOptions
-    from jfto.supervision.vehicles import Vehicles
+    from jfto.supervision.graph_table import GraphOptions, suited_to
     from jfto_msgs_py.plan_file import read_plan, write_plan
 
     vehicles = _vehicles(loaded, choices)
@@ -130,23 +134,16 @@ def _graph(
     if plan_file is not None:
         # A copy: replanning writes to it.
         write_plan(read_plan(plan_file), directory / PLAN_NAME)
-    parameters: dict[str, dict[str, object]] = {
-        "planner_node": {"start_delay_s": float(choices["start_delay"])},
-        "topology_node": {"horizon_slots": choices["horizon"]},
-    }
-    who = vehicles or Vehicles(simulated=False, given={})
-    for name, values in who.merged(loaded.node_options).items():
-        parameters.setdefault(name, {}).update(values)
     return GraphOptions(
         directory / SCENARIO_NAME,
         directory,
         directory / PLAN_NAME,
+        vehicles,
         play_poses=choices["poses"] == "plan",
-        bridge=vehicles is not None,
-        simulate=who.simulated,
         record=choices["record"],
         use_sim_time=choices["use_sim_time"],
-        parameters=parameters,
+        sections=loaded.node_options,
+        suited=suited_to(float(choices["start_delay"]), choices["horizon"]),
     )
 
 

@@ -9,9 +9,8 @@ from typing import Any
 
 import yaml
 
-from jfto.planning.scenario_file import SHARED, LoadedScenario
-from jfto.planning.survey import BUILT_IN_DEM
-from jfto.supervision.graph import BAG_NAME, ENERGY_NAME, FLIGHT_NAME, LIFT_OFF_NAME
+from jfto.planning.scenario_file import BUILT_IN_DEM, SHARED, LoadedScenario
+from jfto.supervision.graph_table import BAG_NAME, ENERGY_NAME, FLIGHT_NAME, LIFT_OFF_NAME
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.write_file import write_file
 

@@ -19,7 +19,7 @@ from jfto.report.figures.flown_map import flown_map
 from jfto.report.figures.flown_network import flown_network
 from jfto.report.figures.flown_timing import flown_timing
 from jfto.report.figures.style import save
-from jfto.supervision.graph import BAG_NAME
+from jfto.supervision.graph_table import BAG_NAME
 from jfto_msgs_py.errors import InputError, JftoError
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.write_file import write_file

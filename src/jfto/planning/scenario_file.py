@@ -28,6 +28,8 @@ NODES = (
 )
 # Parameters of ROS itself, which a file may set beside ours.
 ROS_KEYS = ("use_sim_time",)
+# The elevation model that comes with the package, as terrain.source names it.
+BUILT_IN_DEM = "jacksboro"
 _SIZE_LIMIT = 1_000_000
 _DEPTH_LIMIT = 8
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from jfto.console.progress import Watcher
-from jfto.planning.scenario_file import LoadedScenario
+from jfto.planning.scenario_file import BUILT_IN_DEM, LoadedScenario
 from jfto_msgs_py.errors import TerrainError, WaypointError
 from jfto_msgs_py.plan import Waypoint
 from jfto_msgs_py.scenario.camera import CameraPart, CoveragePart
@@ -21,8 +21,6 @@ from jfto_planner.coverage import (
     read_waypoints,
 )
 from jfto_world.terrain import Dem, load_dem
-
-BUILT_IN_DEM = "jacksboro"
 
 
 @dataclass(frozen=True)

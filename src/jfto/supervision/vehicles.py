@@ -4,40 +4,21 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 
+from jfto.supervision.graph_table import WHO_FLIES, Parameters, Vehicles
 from jfto_mavlink.errors import RosterError
 from jfto_mavlink.io.address import free_udp_port, parse_address
-from jfto_mavlink.open_vehicles import read_roster, simulated_count
+from jfto_mavlink.named_vehicles import read_roster, simulated_count
 from jfto_mavlink.options import BridgeOptions
 
 SIMULATED = "sim"
 FROM_SCENARIO = "roster"
-# A scenario's words on who flies; those of the command line replace them.
-_WHO = ("roster", "endpoints", "key_file", "speedup", "vehicle_stamps")
-
-Parameters = dict[str, dict[str, object]]
 
 
-@dataclass(frozen=True)
-class Vehicles:
-    """Who flies. `given` parameters, by node, win over the scenario's, `suited` ones do not."""
-
-    simulated: bool
-    given: Parameters
-    suited: Parameters = field(default_factory=dict)
-
-    def merged(self, node_options: Mapping[str, Mapping[str, object]]) -> Parameters:
-        """Parameters by node: suited ones, over them the scenario's, over them the given."""
-        merged: Parameters = {name: dict(values) for name, values in self.suited.items()}
-        for name, values in node_options.items():
-            kept = {key: value for key, value in values.items() if key not in _WHO}
-            chosen = values if name != "mavlink_bridge" else kept
-            merged.setdefault(name, {}).update(chosen)
-        for name, values in self.given.items():
-            merged.setdefault(name, {}).update(values)
-        return merged
+def are_simulated(texts: Sequence[str]) -> bool:
+    """Whether `--vehicles` names simulated ones: sim or sim:N."""
+    return texts[0].partition(":")[0] == SIMULATED
 
 
 def choose_vehicles(
@@ -56,7 +37,7 @@ def choose_vehicles(
     `options`, the scenario's section mavlink_bridge. `arm` lets the start service arm real ones.
     Raises RosterError, LinkAddressError.
     """
-    if texts[0].partition(":")[0] == SIMULATED:
+    if are_simulated(texts):
         _check_simulated(texts, uavs)
         if key_file is not None:
             raise RosterError(201, "simulated vehicles start without a key; leave --key out.")
@@ -65,7 +46,7 @@ def choose_vehicles(
         raise RosterError(201, "--speedup is for simulated vehicles (sim); real ones keep time.")
     bridge: dict[str, object]
     if tuple(texts) == (FROM_SCENARIO,):
-        bridge = {key: options[key] for key in _WHO if key in options}
+        bridge = {key: options[key] for key in WHO_FLIES if key in options}
         if not bridge.get("roster") and not bridge.get("endpoints"):
             raise RosterError(
                 201, "the scenario's section mavlink_bridge names no roster and no endpoints."

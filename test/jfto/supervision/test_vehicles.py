@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from jfto.supervision.graph import GraphOptions, graph_commands
+from jfto.supervision.graph import graph_commands
+from jfto.supervision.graph_table import GraphOptions, graph_table
 from jfto.supervision.vehicles import choose_vehicles
 from jfto_msgs_py.errors import JftoError
 
@@ -18,15 +19,15 @@ def test_simulated_vehicles_and_their_bridge_share_link_speed_and_time(tmp_path)
     assert bridge["endpoints"] == (str(fleet["endpoint"]).replace("udpto", "udpin"),)
     assert (fleet["speedup"], bridge["speedup"], bridge["vehicle_stamps"]) == (8.0, 8.0, True)
     scenario = {"mavlink_bridge": {"roster": ("uav1=7@tcp:a:1",), "telemetry_rate_hz": 2.0}}
-    merged = chosen.merged(scenario)
-    assert "roster" not in merged["mavlink_bridge"]
-    assert merged["mavlink_bridge"]["telemetry_rate_hz"] == 2.0
-    assert merged["topology_node"]["stale_after_s"] == 6.0
-    assert merged["planner_node"] == {"await_lift_off": True}
     options = GraphOptions(
-        tmp_path / "s.yaml", tmp_path, tmp_path / "plan.json",
-        bridge=True, simulate=True, record=True, parameters=merged,
+        tmp_path / "s.yaml", tmp_path, tmp_path / "plan.json", chosen, record=True,
+        sections=scenario,
     )  # fmt: skip
+    table = {row.name: row.parameters for row in graph_table(options)}
+    assert "roster" not in table["mavlink_bridge"]
+    assert table["mavlink_bridge"]["telemetry_rate_hz"] == 2.0
+    assert table["topology_node"]["stale_after_s"] == 6.0
+    assert table["planner_node"]["await_lift_off"] is True
     commands = {node.name: list(node.command) for node in graph_commands(options)}
     assert list(commands) == [
         "recorder", "simulated_fleet", "planner_node", "topology_node", "power_node",
