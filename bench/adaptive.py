@@ -20,8 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
-from jfto.analysis.compare import compare
-from jfto.console.progress import SilentWatcher
+from jfto.analysis.comparison import compare
 from jfto.planning.network import network_of
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.plan_file import read_plan
@@ -172,7 +171,7 @@ def main() -> None:
     parser.add_argument("--all", action="store_true", help="the whole grid of 27")
     arguments = parser.parse_args()
     plan = read_plan(arguments.plan)
-    planned = compare(plan, N_DC, SilentWatcher()).ours
+    planned = compare(plan, N_DC).ours
     margin_w = desk_with_margin(plan)
     pilots: dict[str, Callable[[], Pilot]] = {
         "desk": lambda: Desk(plan, planned.power_w),

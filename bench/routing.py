@@ -23,8 +23,7 @@ import numpy as np
 from pyvrp import Model
 from pyvrp.stop import MaxRuntime
 
-from jfto.console.progress import SilentWatcher
-from jfto.planning.routes import plan_uavs, routing_problem
+from jfto.planning.problem import plan_uavs, routing_problem
 from jfto.planning.scenario_file import load_scenario
 from jfto.planning.survey import Survey, survey
 from jfto_msgs_py.certificate import Certificate
@@ -126,7 +125,7 @@ def main() -> int:
     """Print one row per seed; the status is 1 if a target is missed, 3 if no start is possible."""
     chosen = options()
     loaded = load_scenario(chosen.scene, chosen.set)
-    found = survey(loaded, SilentWatcher())
+    found = survey(loaded)
     try:
         problem = routing_problem(loaded.scenario, found)
     except InfeasibleError as error:

@@ -13,9 +13,9 @@ from __future__ import annotations
 import argparse
 import time
 
-from jfto.console.progress import SilentWatcher
 from jfto.planning.flight import flight_of
-from jfto.planning.routes import Planned, is_clean, plan_routes, routing_problem
+from jfto.planning.problem import routing_problem
+from jfto.planning.routes import Planned, plan_routes
 from jfto.planning.scenario_file import load_scenario
 from jfto.planning.survey import survey
 from jfto_planner.routing.assess import route_points
@@ -30,13 +30,13 @@ def main() -> int:
     parser.add_argument("--set", action="append", default=[], dest="overrides")
     options = parser.parse_args()
     failed = 0
-    found = survey(load_scenario(options.scene, options.overrides), SilentWatcher())
+    found = survey(load_scenario(options.scene, options.overrides))
     for mode in options.mode:
         for seed in range(options.seeds):
             overrides = [f"trajectory.mode={mode}", *options.overrides, f"search.seed={seed}"]
             scenario = load_scenario(options.scene, overrides).scenario
             begun = time.perf_counter()
-            planned = plan_routes(scenario, found, SilentWatcher())
+            planned = plan_routes(scenario, found)
             wall_s = time.perf_counter() - begun
             plan = planned.plan
             problem = routing_problem(scenario, found)
@@ -45,7 +45,7 @@ def main() -> int:
             timing = _timing(scenario, found, problem, routes)
             print(f"{mode:<9} seed {seed}: {_facts(planned)}, {timing}, "
                   f"all in {wall_s:.0f} s", flush=True)  # fmt: skip
-            failed += not is_clean(plan)
+            failed += not plan.clean
     return int(failed > 0)
 
 

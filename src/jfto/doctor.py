@@ -7,13 +7,32 @@ import os
 import platform
 import sys
 from dataclasses import dataclass
+from importlib import metadata
 
 from jfto import __version__
-from jfto.versions import LIBRARIES, version_of
 from jfto_msgs_py.ros.installation import RosMissingError, require_ros
 
+# In the order in which they are looked at.
+LIBRARIES = (
+    "numpy",
+    "scipy",
+    "numba",
+    "torch",
+    "cvxpy",
+    "clarabel",
+    "pymavlink",
+    "rosbags",
+    "rasterio",
+    "pyproj",
+    "matplotlib",
+    "plotly",
+    "Jinja2",
+    "PyYAML",
+    "click",
+    "rich",
+)
 # Import name where it differs from the distribution's.
-_MODULES = {"PyYAML": "yaml"}
+_MODULES = {"Jinja2": "jinja2", "PyYAML": "yaml"}
 # Used by what needs them only; planning works without.
 _OPTIONAL = {
     "torch": "learned policies",
@@ -49,7 +68,7 @@ def _python() -> Finding:
 def _library(name: str) -> Finding:
     needed = name not in _OPTIONAL
     use = "" if needed else f", for {_OPTIONAL[name]}"
-    version = version_of(name)
+    version = _version(name)
     if version is None:
         cure = f"pip install -c constraints.txt {name}"
         return Finding(name, False, needed, f"not installed{use}", cure)
@@ -83,3 +102,11 @@ def _ros() -> Finding:
     except RosMissingError as error:
         state, good = str(error), False
     return Finding("ROS 2", good, False, state)
+
+
+def _version(library: str) -> str | None:
+    """Installed version of a distribution, None if it is absent."""
+    try:
+        return metadata.version(library)
+    except metadata.PackageNotFoundError:
+        return None

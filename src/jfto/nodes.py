@@ -35,7 +35,7 @@ def topology_node(arguments: Arguments = None) -> int:
     """Run the topology node."""
 
     def make() -> Any:
-        from jfto.planning.scenario_terrain import dem_of
+        from jfto.planning.terrain import dem_of
         from jfto_topology.topology_node import TopologyNode
 
         return TopologyNode(dem_of)
@@ -81,7 +81,7 @@ def mavlink_bridge(arguments: Arguments = None) -> int:
 
     def make() -> Any:
         from jfto.bridge_fleet import open_simulated
-        from jfto.planning.scenario_terrain import ground_of
+        from jfto.planning.terrain import ground_of
         from jfto_mavlink.node import MavlinkBridgeNode
 
         return MavlinkBridgeNode(open_simulated, ground_of)
@@ -93,7 +93,7 @@ def simulated_fleet(arguments: Arguments = None) -> int:
     """Run simulated vehicles, whose time is that of the graph."""
 
     def make() -> Any:
-        from jfto.planning.scenario_terrain import dem_of
+        from jfto.planning.terrain import dem_of
         from jfto.simulated_fleet_node import SimulatedFleetNode
 
         return SimulatedFleetNode(dem_of)
@@ -114,18 +114,18 @@ NODES = {
 
 def plan_scenario(scenario: Scenario, progress: Callable[[float, str], None]) -> Plan:
     """Coverage and routes of a scenario whose file names stand by themselves; certified."""
-    from jfto.console.progress import SilentWatcher
+    from jfto.console.progress import Progress
     from jfto.planning.routes import plan_routes
     from jfto.planning.scenario_file import LoadedScenario
     from jfto.planning.survey import survey
 
-    class Watcher(SilentWatcher):
+    class Told(Progress):
         def advance(self, fraction: float, note: str = "") -> None:
             progress(fraction, note)
 
-    watcher = Watcher()
-    found = survey(LoadedScenario(scenario, Path("parameters")), watcher)
-    return plan_routes(scenario, found, watcher).plan
+    told = Told()
+    found = survey(LoadedScenario(scenario, Path("parameters")), told)
+    return plan_routes(scenario, found, told).plan
 
 
 def load_certified(path: Path) -> Plan:

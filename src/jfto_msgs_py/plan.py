@@ -65,6 +65,11 @@ class Route:
     arrival_s: tuple[float, ...]
     length_m: float
 
+    @property
+    def end_s(self) -> float:
+        """When the last waypoint is reached, 0 where there is none."""
+        return max(self.arrival_s, default=0.0)
+
 
 @dataclass(frozen=True)
 class Slots:
@@ -115,3 +120,14 @@ class Plan:
     def total_length_m(self) -> float:
         """Summed length of all routes in metres (P1obj)."""
         return float(sum(route.length_m for route in self.routes))
+
+    @property
+    def clean(self) -> bool:
+        """Whether the plan has been checked and nothing was found."""
+        return self.certificate is not None and self.certificate.clean
+
+    def line_m(self, uav: int) -> NDArray[np.float64]:
+        """Pad and waypoints of the UAV with this index, in its route's order: (K + 1, 3), ENU."""
+        where = {waypoint.id: waypoint.position_m for waypoint in self.waypoints}
+        stops = [where[number] for number in self.routes[uav].waypoint_ids]
+        return np.array([self.uavs[uav].start_m, *stops])

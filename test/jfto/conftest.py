@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from jfto.console.progress import SilentWatcher
 from jfto.pipeline.directory import make_run_directory
 from jfto.pipeline.run import Run, run_all
 from jfto.planning.routes import plan_routes
@@ -27,17 +26,17 @@ def tiny() -> Path:
 def tiny_run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Run]:
     """Directory and outcome of a full run of the tiny scene."""
     directory = make_run_directory(tmp_path_factory.mktemp("run") / "tiny")
-    return directory, run_all(load_scenario(TINY), directory, SilentWatcher())
+    return directory, run_all(load_scenario(TINY), directory)
 
 
 @pytest.fixture(scope="session")
 def tiny_survey() -> Survey:
     """Terrain and waypoints of the tiny scene."""
-    return survey(load_scenario(TINY), SilentWatcher())
+    return survey(load_scenario(TINY))
 
 
 @pytest.fixture(scope="session")
 def tiny_guided(tiny_survey: Survey) -> Plan:
     """Plan of the tiny scene for guided flight."""
     scenario = load_scenario(TINY, ["trajectory.mode=guided"]).scenario
-    return plan_routes(scenario, tiny_survey, SilentWatcher()).plan
+    return plan_routes(scenario, tiny_survey).plan

@@ -8,9 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from jfto.analysis.certificate import FlownException
-from jfto.analysis.grid import FINER, FlownGrid
+from jfto.analysis.grid import FINER, FlownGrid, PlannedFlight
 from jfto.analysis.passages import Passage
-from jfto.analysis.planned import PlannedFlight
 from jfto.analysis.record import RecordedFlight
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.ros.events import WARN

@@ -71,6 +71,12 @@ class FlownCertificate:
         """Least distance between two UAVs in the whole mission."""
         return float(self.separation_m.min(initial=np.inf))
 
+    @property
+    def least_height_m(self) -> float | None:
+        """Least height over the terrain, pads included; None where it is never known."""
+        known = self.height_m[np.isfinite(self.height_m)]
+        return float(known.min()) if known.size else None
+
 
 def flown_certificate(
     plan: Plan, grid: FlownGrid, height_m: Array, clearance_m: float

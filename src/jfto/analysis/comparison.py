@@ -7,7 +7,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from jfto.console.progress import SILENT, Progress
+from jfto.planning.network import Network, network_of, power_of, topology_of
+from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.types import Array, Flags
+from jfto_power.allocation import Allocation
+from jfto_topology.a_lmst import a_lmst
+from jfto_topology.cpapo import cpapo
+from jfto_topology.ctop import Topology
+from jfto_topology.metrics import average_hops, connectivity_rate, energy_used, slot_throughput
+from jfto_topology.mtp import mtp
+from jfto_topology.powered import PoweredTopology
+from jfto_world.radio import degrees
 
 OURS = "C-TOP"
 ALGORITHMS = ("MTP", "A-LMST", "CPAPO", OURS)
@@ -68,3 +79,134 @@ class Comparison:
     def ours(self) -> AlgorithmResult:
         """C-TOP's result."""
         return next(result for result in self.results if result.name == OURS)
+
+
+def compare(plan: Plan, n_dc: int, progress: Progress = SILENT) -> Comparison:
+    """All algorithms on the plan's positions and budgets; raises InputError."""
+    network = network_of(plan)
+    progress.begin("topology", "C-TOP")
+    topology = topology_of(plan, network)
+    notes = _topology_notes(plan, topology)
+    degree = degrees(topology.adjacency)
+    progress.end(
+        "topology",
+        f"{plan.slots.count} slots",
+        f"degree {_span(degree.min(), degree.max())}, "
+        + ("always connected" if topology.connected.all() else "not always connected")
+        + (f", δ exceeded {topology.over_degree.sum()} ×" if topology.over_degree.any() else ""),
+        good=bool(topology.connected.all() and not topology.deficit.any()),
+    )
+    progress.begin("power", "exact allocation")
+    allocation, shortage = power_of(plan, network, topology)
+    notes += [shortage] if shortage else []
+    rate = _Rating(plan, network, n_dc)
+    ours = _ours(rate, topology, allocation)
+    share = 100 * ours.energy_j / network.energy_j
+    progress.end(
+        "power",
+        f"{ours.linked.mean_throughput_mbps:.4g} Mb/s",
+        f"energy {_span(round(share.min()), round(share.max()))} % of budget",
+        good=ours.traverses_all,
+    )
+    progress.begin("compare", "MTP, A-LMST, CPAPO")
+    results = [*_baselines(rate), ours]
+    progress.end("compare", "4 algorithms", _ratios(results))
+    return Comparison(
+        results=tuple(sorted(results, key=lambda result: ALGORITHMS.index(result.name))),
+        gain=network.gain,
+        n_dc=n_dc,
+        notes=tuple(notes),
+    )
+
+
+@dataclass(frozen=True)
+class _Rating:
+    """Rates what an algorithm does on one plan."""
+
+    plan: Plan
+    network: Network
+    n_dc: int
+
+    def result(
+        self, name: str, linked: Flags, active: Flags, power_w: Array, on_air: Flags
+    ) -> AlgorithmResult:
+        """Links (N + 1, A, A) in both senses, powers and who is on the air (N + 1, A), rated."""
+        return AlgorithmResult(
+            name=name,
+            linked=self._metrics(linked, power_w, on_air),
+            active=self._metrics(active, power_w, on_air),
+            power_w=power_w,
+            degree=degrees(active),
+            energy_j=energy_used(power_w, self.plan.slots.duration_s),
+            traverses_all=bool(on_air.all()),
+        )
+
+    def _metrics(self, links: Flags, power_w: Array, on_air: Flags) -> LinkMetrics:
+        return LinkMetrics(
+            links=links,
+            throughput_bps=slot_throughput(links, self.network.gain, power_w, self.plan.radio),
+            connectivity_rate=connectivity_rate(links, self.n_dc, on_air),
+            hops=average_hops(links),
+        )
+
+
+def _ours(rate: _Rating, topology: Topology, allocation: Allocation) -> AlgorithmResult:
+    held = np.arange(rate.plan.slots.count + 1) <= allocation.slots_held
+    on_air = np.broadcast_to(held[:, None], allocation.power_w.shape)
+    weaker_w = np.minimum(allocation.power_w[:, :, None], allocation.power_w[:, None, :])
+    # The topology knows exactly which pairs hear each other; a power at a bound must not decide
+    # that anew by its last bit.
+    linked = topology.reach & (weaker_w > 0)
+    active = topology.adjacency & held[:, None, None]
+    return rate.result(OURS, linked, active, allocation.power_w, on_air)
+
+
+def _baselines(rate: _Rating) -> list[AlgorithmResult]:
+    network = rate.network
+    shared = (network.positions_m, network.channel, network.p_max_w, network.sensitivity_w)
+    budget = (network.energy_j, rate.plan.slots.duration_s)
+    powered: dict[str, PoweredTopology] = {
+        "MTP": mtp(*shared, *budget),
+        "A-LMST": a_lmst(*shared, *budget, network.speed_mps),
+        "CPAPO": cpapo(*shared, *budget),
+    }
+    return [
+        rate.result(name, one.adjacency, one.listed, one.power_w, one.on_air)
+        for name, one in powered.items()
+    ]
+
+
+def _topology_notes(plan: Plan, topology: Topology) -> list[str]:
+    """What C-TOP could not keep, per UAV with the slots."""
+    notes = []
+    for flags, text in (
+        (topology.deficit, f"has fewer than {plan.k_min} neighbours within reach"),
+        (topology.over_degree, f"cannot spare a neighbour beyond {plan.k_min + plan.delta}"),
+    ):
+        for index, uav in enumerate(plan.uavs):
+            slots = np.flatnonzero(flags[:, index])
+            if slots.size:
+                notes.append(f"{uav.id} {text} in {_slots_text(slots)}.")
+    apart = np.flatnonzero(~topology.connected)
+    if apart.size:
+        notes.append(f"The fleet is not connected in {_slots_text(apart)}.")
+    return notes
+
+
+def _span(low: int, high: int) -> str:
+    return f"{low}" if low == high else f"{low}–{high}"
+
+
+def _slots_text(slots: NDArray[np.intp]) -> str:
+    """Slots as ranges: "slot 3", "slots 3–5, 9"."""
+    runs = np.split(slots, np.flatnonzero(np.diff(slots) > 1) + 1)
+    texts = [f"{run[0]}" if len(run) == 1 else f"{run[0]}–{run[-1]}" for run in runs]
+    return f"slot{'s' if len(slots) > 1 else ''} {', '.join(texts)}"
+
+
+def _ratios(results: list[AlgorithmResult]) -> str:
+    ours = results[-1].linked.mean_throughput_mbps
+    others = (
+        f"{ours / other.linked.mean_throughput_mbps:.2f} × {other.name}" for other in results[:-1]
+    )
+    return "throughput " + ", ".join(others)

@@ -4,14 +4,23 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 import math
+from pathlib import Path
 from typing import Any
 
-from jfto.analysis.comparison import ALGORITHMS, OURS, Comparison
-from jfto.analysis.paper import PAPER
+import numpy as np
+
+from jfto.analysis.comparison import ALGORITHMS, AlgorithmResult, Comparison, LinkMetrics
+from jfto.analysis.paper import PAPER, throughput_ratios
+from jfto.planning.survey import Survey
 from jfto_msgs_py.certificate import Certificate
+from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.write_file import write_file
 from jfto_planner.coverage import Coverage
+
+_WAYPOINT_SUFFIXES = (".csv", ".geojson")
 
 
 def comparison_object(plan: Plan, comparison: Comparison, scene: str) -> dict[str, Any]:
@@ -43,34 +52,6 @@ def comparison_object(plan: Plan, comparison: Comparison, scene: str) -> dict[st
         "throughput_ratios": throughput_ratios(comparison),
         "notes": list(comparison.notes),
     }
-
-
-def throughput_ratios(comparison: Comparison) -> dict[str, float]:
-    """C-TOP's throughput over each baseline's."""
-    ours = comparison.ours.linked.mean_throughput_mbps
-    return {
-        result.name: ours / result.linked.mean_throughput_mbps
-        for result in comparison.results
-        if result.name != OURS and result.linked.mean_throughput_mbps > 0
-    }
-
-
-def active_text(comparison: Comparison) -> str:
-    """What C-TOP's active links alone are worth, in one sentence."""
-    active = comparison.ours.active
-    return (
-        "A link is any pair that hears each other, for all algorithms alike. C-TOP's active links "
-        f"alone carry {active.mean_throughput_mbps:.0f} Mb/s, with ξ "
-        f"{100 * active.connectivity_rate:.1f} % and {active.hops:.2f} hops."
-    )
-
-
-def paper_ratios(scene: str) -> dict[str, float]:
-    """The same ratios in the paper; empty for a scene that it does not have."""
-    rows = PAPER.get(scene)
-    if rows is None:
-        return {}
-    return {name: rows[OURS].throughput / rows[name].throughput for name in ALGORITHMS[:-1]}
 
 
 def comparison_csv(rows: list[tuple[str, Comparison]]) -> str:
@@ -146,6 +127,52 @@ def slots_csv(plan: Plan, comparison: Comparison) -> str:
     return table.getvalue()
 
 
+def comparison_arrays(comparison: Comparison) -> bytes:
+    """The whole comparison as a .npz file, which `read_comparison` takes."""
+    arrays = {
+        "gain": comparison.gain,
+        "n_dc": np.array(comparison.n_dc),
+        "notes": np.array(comparison.notes, dtype=np.str_),
+    }
+    for result in comparison.results:
+        for name, value in vars(result).items():
+            inner = vars(value) if isinstance(value, LinkMetrics) else {"": value}
+            arrays |= {f"{result.name}/{name}/{key}": np.array(one) for key, one in inner.items()}
+    file = io.BytesIO()
+    np.savez_compressed(file, allow_pickle=False, **arrays)
+    return file.getvalue()
+
+
+def read_comparison(path: Path) -> Comparison:
+    """A comparison out of its .npz file, which must be whole."""
+    with np.load(path, allow_pickle=False) as file:
+        arrays = dict(file)
+
+    def metrics(algorithm: str, sense: str) -> LinkMetrics:
+        prefix = f"{algorithm}/{sense}/"
+        return LinkMetrics(
+            links=arrays[prefix + "links"],
+            throughput_bps=arrays[prefix + "throughput_bps"],
+            connectivity_rate=float(arrays[prefix + "connectivity_rate"]),
+            hops=float(arrays[prefix + "hops"]),
+        )
+
+    results = [
+        AlgorithmResult(
+            name=name,
+            linked=metrics(name, "linked"),
+            active=metrics(name, "active"),
+            power_w=arrays[f"{name}/power_w/"],
+            degree=arrays[f"{name}/degree/"],
+            energy_j=arrays[f"{name}/energy_j/"],
+            traverses_all=bool(arrays[f"{name}/traverses_all/"]),
+        )
+        for name in ALGORITHMS
+    ]
+    notes = tuple(str(note) for note in arrays["notes"])
+    return Comparison(tuple(results), arrays["gain"], int(arrays["n_dc"]), notes)
+
+
 def certificate_object(certificate: Certificate) -> dict[str, Any]:
     """The figures of a certificate and its violations as plain values."""
     return {
@@ -182,6 +209,46 @@ def coverage_object(coverage: Coverage) -> dict[str, Any]:
             for note in coverage.notes
         ],
     }
+
+
+def check_waypoint_suffix(path: Path) -> None:
+    """Raise InputError unless waypoints can be written in the format that the name asks for."""
+    if path.suffix.lower() not in _WAYPOINT_SUFFIXES:
+        raise InputError(f"{path}: is no known format. Name it .csv or .geojson.")
+
+
+def write_waypoints(found: Survey, path: Path) -> None:
+    """Write latitude, longitude, altitude and view of every waypoint; raises InputError."""
+    check_waypoint_suffix(path)
+    positions = np.array([waypoint.position_m for waypoint in found.waypoints]).reshape(-1, 3)
+    lat, lon, alt = found.dem.to_geodetic(positions)
+    rows = [
+        (waypoint, f"{north:.8f}", f"{east:.8f}", f"{up:.3f}")
+        for waypoint, north, east, up in zip(found.waypoints, lat, lon, alt, strict=True)
+    ]
+    if path.suffix.lower() == ".csv":
+        table = io.StringIO()
+        writer = csv.writer(table, lineterminator="\n")
+        writer.writerow(["id", "lat", "lon", "alt", "yaw_deg", "pitch_deg"])
+        for waypoint, north, east, up in rows:
+            view = (f"{waypoint.yaw_deg:.3f}", f"{waypoint.pitch_deg:.3f}")
+            writer.writerow([waypoint.id, north, east, up, *view])
+        write_file(path, table.getvalue())
+        return
+    features = [
+        {
+            "type": "Feature",
+            "geometry": {"type": "Point", "coordinates": [float(east), float(north), float(up)]},
+            "properties": {
+                "id": waypoint.id,
+                "yaw_deg": round(waypoint.yaw_deg, 3),
+                "pitch_deg": round(waypoint.pitch_deg, 3),
+            },
+        }
+        for waypoint, north, east, up in rows
+    ]
+    collection = {"type": "FeatureCollection", "features": features}
+    write_file(path, json.dumps(collection, indent=1) + "\n")
 
 
 def _paper_object(scene: str, algorithm: str) -> dict[str, Any] | None:

@@ -2,21 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
 from jfto.analysis.causes import Explainer
 from jfto.analysis.certificate import FlownCertificate, FlownException, flown_certificate
-from jfto.analysis.comparison import AlgorithmResult
-from jfto.analysis.endings import LANDED, Ending, endings_of
-from jfto.analysis.energy import EnergyUse, energy_use
-from jfto.analysis.grid import FINER, FlownGrid, flown_grid
-from jfto.analysis.network import FlownNetwork, PlannedAgainstFlown, against_plan, flown_network
-from jfto.analysis.passages import Passage, finished_s, passages_of
-from jfto.analysis.planned import PlannedFlight, planned_flight
+from jfto.analysis.comparison import AlgorithmResult, Comparison
+from jfto.analysis.endings import LANDED, Ending, endings_of, left_the_ground
+from jfto.analysis.grid import FINER, FlownGrid, PlannedFlight, flown_grid, planned_flight
+from jfto.analysis.network import (
+    EnergyUse,
+    FlownNetwork,
+    PlannedAgainstFlown,
+    against_plan,
+    energy_use,
+    flown_network,
+)
+from jfto.analysis.passages import Passage, UavTiming, finished_s, passages_of, timing_of
 from jfto.analysis.record import RecordedFlight
+from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.scenario import Scenario
 from jfto_msgs_py.types import Array
 from jfto_world.terrain import Dem
 
@@ -68,6 +77,49 @@ class FlightFacts:
     def worst_closest_m(self) -> float:
         """The greatest distance at which a waypoint was passed."""
         return max((one.closest_m for one in self.passages), default=0.0)
+
+    def in_words(self) -> str:
+        """How well it went, in one line."""
+        return (
+            f"worst {self.worst_late_s:+.1f} s and {self.worst_closest_m:.1f} m, "
+            f"{100 * self.certificate.clean_share:.1f} % of slots clean, "
+            f"{100 * self.throughput.ratio:.1f} % of the planned throughput"
+        )
+
+    @property
+    def timing(self) -> tuple[UavTiming, ...]:
+        """How each UAV kept to its waypoints."""
+        return tuple(timing_of(uav.id, self.passages) for uav in self.plan.uavs)
+
+    @property
+    def least_energy_left(self) -> float:
+        """Share of its budget that the UAV with the least has left."""
+        return min((1 - one.used_j / one.budget_j for one in self.energy), default=0.0)
+
+    @property
+    def least_return_gap_m(self) -> float:
+        """The least distance between two UAVs on the way home, inf where nobody met."""
+        return min((one.return_gap_m for one in self.endings), default=np.inf)
+
+
+def flight_facts(
+    bags: Sequence[Path], plan: Plan, comparison: Comparison, dem: Dem, scenario: Scenario
+) -> FlightFacts:
+    """The flight of a plan in its bags, held against it.
+
+    Raises BagError where none of them is a bag, InputError where they hold no flight.
+    """
+    # Loaded here: a report of the plan alone reads no bag.
+    from jfto.analysis.read_bag import read_flight
+
+    flight = read_flight(bags, plan)
+    if not left_the_ground(flight, plan):
+        raise InputError(f"{bags[0]}: nobody left the ground. The report is of the plan alone.")
+    # Legs of the autopilot are kept clear of the ground at upload, by no set height.
+    guided = scenario.trajectory.mode == "guided"
+    clearance_m = scenario.trajectory.clearance_m if guided else 0.0
+    n_dc = scenario.evaluation.n_dc
+    return facts_of(flight, plan, comparison.ours, dem, n_dc=n_dc, clearance_m=clearance_m)
 
 
 def facts_of(

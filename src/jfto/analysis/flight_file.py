@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-
 from jfto.analysis.facts import FlightFacts
 from jfto.analysis.grid import FINER
 from jfto.analysis.passages import VISITED_M
@@ -104,7 +102,6 @@ def _waypoints(facts: FlightFacts) -> dict[str, Any]:
 
 def _certificate(facts: FlightFacts) -> dict[str, Any]:
     certificate = facts.certificate
-    heights = certificate.height_m[np.isfinite(certificate.height_m)]
     return {
         "slots": len(certificate.clean),
         "clean_slots": int(certificate.clean.sum()),
@@ -115,7 +112,7 @@ def _certificate(facts: FlightFacts) -> dict[str, Any]:
         "worst_margin_uav": certificate.worst_margin_uav,
         "worst_margin_slot": _number(certificate.worst_margin_slot),
         "least_separation_m": _number(certificate.least_separation_m),
-        "least_height_m": _number(heights.min() if heights.size else None),
+        "least_height_m": _number(certificate.least_height_m),
         "exceptions": [
             {
                 "kind": one.kind,

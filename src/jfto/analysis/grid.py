@@ -1,4 +1,4 @@
-"""The slots of a mission as they were flown, and where everybody was then."""
+"""The slots of a mission as they were flown and as planned, and where everybody was then."""
 
 from __future__ import annotations
 
@@ -11,6 +11,9 @@ from jfto.analysis.record import RecordedFlight, Track
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.types import Array, Flags
+from jfto_planner.routing.certificate import plan_instants
+from jfto_planner.routing.certificate_instants import Instants
+from jfto_planner.routing.certificate_routes import fly
 
 FINER = 10
 # Poses come several times a second; between two that are further apart a UAV was not seen.
@@ -118,3 +121,17 @@ def _places(track: Track, times_s: Array) -> tuple[Array, Flags, Flags]:
     present = (times_s >= track.times_s[0] - GAP_S) & (times_s <= track.times_s[-1] + GAP_S)
     seen = present & ((following - before <= GAP_S) | (after > last) | (after == 0))
     return track.at(times_s), present, seen
+
+
+@dataclass(frozen=True, eq=False)
+class PlannedFlight:
+    """Planned positions (FINER N + 1, A, 3), and what the certificate's rules make of them."""
+
+    position_m: Array
+    instants: Instants
+
+
+def planned_flight(plan: Plan) -> PlannedFlight:
+    """A plan's flight, recomputed from its routes; raises PlanError where that cannot be."""
+    positions = fly(plan, FINER).positions_m
+    return PlannedFlight(positions, plan_instants(plan, positions, FINER))

@@ -1,16 +1,21 @@
-"""How each UAV of a plan moves: position, speed, acceleration and jerk over time."""
+"""How each UAV of a plan moves, and how far arrivals may be off where nothing holds them to it."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.signal import savgol_filter
 
+from jfto_msgs_py.errors import InfeasibleError
 from jfto_msgs_py.plan import Plan, Uav
 from jfto_msgs_py.types import Array
 from jfto_planner.smoothing import Trajectory
 from jfto_world.motion import MotionLimits, time_model_named
+
+if TYPE_CHECKING:
+    from jfto_world.motion.arducopter import ArduCopter
 
 STEP_S = 0.05
 # A vehicle's positions are differentiated over this window, as its own filters would smooth them.
@@ -18,7 +23,7 @@ _WINDOW = 21
 
 
 @dataclass(frozen=True)
-class Flown:
+class Motion:
     """One UAV's flight at `times_s` (T,), until its last waypoint.
 
     `position_m` is (T, 3); `speed_mps`, `acceleration_mps2` and `jerk_mps3` (T,) are magnitudes,
@@ -32,28 +37,24 @@ class Flown:
     jerk_mps3: Array | None
 
 
-def flown(plan: Plan) -> tuple[Flown, ...]:
-    """Flights of a plan's UAVs by its own time model; raises InputError for an unknown one."""
+def motions(plan: Plan) -> tuple[Motion, ...]:
+    """Motion of each UAV by the plan's time model; raises InputError for an unknown one."""
     return tuple(_one(plan, index, uav) for index, uav in enumerate(plan.uavs))
 
 
-def _one(plan: Plan, index: int, uav: Uav) -> Flown:
-    route = plan.routes[index]
-    end_s = max(route.arrival_s, default=0.0)
-    count = max(int(np.ceil(end_s / STEP_S)), _WINDOW) + 1
+def _one(plan: Plan, index: int, uav: Uav) -> Motion:
+    count = max(int(np.ceil(plan.routes[index].end_s / STEP_S)), _WINDOW) + 1
     times: Array = np.arange(count, dtype=np.float64) * STEP_S
     if plan.trajectories:
         motion = Trajectory.from_record(plan.trajectories[index]).motion(times)
-        return Flown(
+        return Motion(
             times,
             motion.position_m,
             _size(motion.velocity_mps),
             _size(motion.acceleration_mps2),
             _size(motion.jerk_mps3),
         )
-    where = {waypoint.id: waypoint.position_m for waypoint in plan.waypoints}
-    line = np.array([uav.start_m, *(where[number] for number in route.waypoint_ids)])
-    limits = MotionLimits(uav.speed_mps, uav.climb_mps, uav.descent_mps)
+    line, limits = plan.line_m(index), _limits(uav)
     model = time_model_named(plan.time_model, plan.time_parameters)
     # At rest before and after, so that the window has something to look at there.
     rest = np.arange(1, _WINDOW + 1) * STEP_S
@@ -62,13 +63,85 @@ def _one(plan: Plan, index: int, uav: Uav) -> Flown:
     kept = slice(_WINDOW, -_WINDOW)
     if plan.time_model == "constant_speed":
         speed = _size(np.gradient(position, STEP_S, axis=0))
-        return Flown(times, position[kept], speed[kept], None, None)
+        return Motion(times, position[kept], speed[kept], None, None)
     velocity, acceleration, jerk = (
         savgol_filter(position, _WINDOW, 4, deriv=order, delta=STEP_S, axis=0)[kept]
         for order in (1, 2, 3)
     )
-    return Flown(times, position[kept], _size(velocity), _size(acceleration), _size(jerk))
+    return Motion(times, position[kept], _size(velocity), _size(acceleration), _size(jerk))
+
+
+def _limits(uav: Uav) -> MotionLimits:
+    return MotionLimits(uav.speed_mps, uav.climb_mps, uav.descent_mps)
 
 
 def _size(vectors: Array) -> Array:
     return np.asarray(np.linalg.norm(vectors, axis=1))
+
+
+@dataclass(frozen=True)
+class Spread:
+    """One UAV's arrivals in other circumstances, less the planned ones; seconds, late is positive.
+
+    `planner_s` are the first and last of all differences, over its waypoints, under the autopilot's
+    own planner without the vehicle's lag; `wind_s` those over four winds, infinite where the
+    vehicle cannot make way against one.
+    """
+
+    uav: str
+    end_s: float
+    planner_s: tuple[float, float]
+    wind_s: tuple[float, float]
+
+
+def flight_spread(plan: Plan, wind_mps: float) -> tuple[Spread, ...]:
+    """Spread of every UAV with waypoints; empty unless the plan is of the autopilot's missions.
+
+    The planned times are those of the closed loop in calm air; winds blow to the four quarters.
+    """
+    if plan.time_model != "arducopter":
+        return ()
+    from jfto_world.motion.arducopter import ArduCopter
+
+    model = ArduCopter.of_parameters(plan.time_parameters)
+    quarters = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
+    winds = [replace(model, wind_mps=(e * wind_mps, n * wind_mps)) for e, n in quarters]
+    found = []
+    for index, (uav, route) in enumerate(zip(plan.uavs, plan.routes, strict=True)):
+        if not route.waypoint_ids:
+            continue
+        line, limits = plan.line_m(index), _limits(uav)
+        planned = np.array(route.arrival_s)
+        planner = _late(replace(model, closed_loop=False), line, limits, planned)
+        blown = np.concatenate([_late(wind, line, limits, planned) for wind in winds])
+        found.append(Spread(uav.id, float(planned[-1]), _range(planner), _range(blown)))
+    return tuple(found)
+
+
+def spread_text(spread: tuple[Spread, ...], wind_mps: float) -> str:
+    """One sentence on the whole fleet; empty without a spread."""
+    if not spread:
+        return ""
+    planner = max(max(map(abs, one.planner_s)) for one in spread)
+    early = min(one.wind_s[0] for one in spread)
+    late = max(one.wind_s[1] for one in spread)
+    windy = (
+        f"in {wind_mps:g} m/s of wind, from any quarter, they are {early:+.1f} to {late:+.1f} s off"
+        if np.isfinite(late)
+        else f"a wind of {wind_mps:g} m/s is more than its tilt limit lets a UAV fly against"
+    )
+    return (
+        f"Without time gates: the vehicle's lag moves arrivals by up to {planner:.1f} s, which is "
+        f"in the plan; {windy}. With time gates slots are absolute."
+    )
+
+
+def _late(model: ArduCopter, line: Array, limits: MotionLimits, planned: Array) -> Array:
+    try:
+        return np.asarray(model.arrivals(line, limits)[1:] - planned)
+    except InfeasibleError:
+        return np.full(len(planned), np.inf)
+
+
+def _range(differences: Array) -> tuple[float, float]:
+    return float(differences.min()), float(differences.max())

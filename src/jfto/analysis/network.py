@@ -1,4 +1,4 @@
-"""What the network carried, slot by slot, as planned and as flown."""
+"""What the network carried as planned and as flown, and what transmitting cost each UAV."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ from jfto_topology.metrics.hops import hop_counts
 from jfto_world.radio import degrees, make_channel, mutual_links, pairwise_distances
 
 MEASURED = "measured by the simulated air"
-COMPUTED = "computed by the plan's radio model from measured positions and powers in force"
+MODELLED = "computed by the plan's radio model from measured positions and powers in force"
+SUMMED = "computed from the powers in force"
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +30,7 @@ class FlownNetwork:
     in force then, `power_w` (M + 1, A) and `gain` (M + 1, A, A) those of that instant;
     `throughput_bps` (M + 1,) is the mean over each slot. `connectivity_rate` is ξ and `hops` the
     mean shortest path, inf where some slot was disconnected; `linked_hops` leaves those slots'
-    unreachable pairs out. `source` is MEASURED or COMPUTED.
+    unreachable pairs out. `source` is MEASURED or MODELLED.
     """
 
     links: Flags
@@ -60,7 +61,7 @@ def flown_network(flight: RecordedFlight, plan: Plan, grid: FlownGrid, n_dc: int
     linked = mutual_links(gain, power_w, float(dbm_to_w(plan.radio.sensitivity_dbm)))
     linked &= grid.present[:, :, None] & grid.present[:, None, :]
     throughput = slot_throughput(linked, gain, power_w, plan.radio)
-    source = COMPUTED
+    source = MODELLED
     rates = flight.air.get("rate")
     if rates is not None:
         rate = rates.at(grid.times_s)
@@ -115,3 +116,46 @@ def _linked_hops(links: Flags) -> float:
     hops = hop_counts(np.ascontiguousarray(links))
     reached = hops > 0
     return float(hops[reached].mean()) if reached.any() else float("inf")
+
+
+@dataclass(frozen=True)
+class EnergyUse:
+    """Joules of one UAV from lift-off until the fleet was done, planned and as flown."""
+
+    uav: str
+    budget_j: float
+    planned_j: float
+    used_j: float
+    source: str
+
+    @property
+    def overdraft_j(self) -> float:
+        """What was used beyond the budget, 0 if nothing."""
+        return max(self.used_j - self.budget_j, 0.0)
+
+
+def energy_use(
+    flight: RecordedFlight, plan: Plan, planned: AlgorithmResult, end_s: float
+) -> tuple[EnergyUse, ...]:
+    """Energy of every UAV up to `end_s` seconds after lift-off."""
+    drained = flight.air.get("energy")
+    found = []
+    for index, uav in enumerate(plan.uavs):
+        if drained is not None:
+            # Counted from what stood on the meter at lift-off.
+            began, ended = np.interp([0.0, end_s], drained.times_s, drained.values[:, index])
+            used_j, source = float(ended - began), MEASURED
+        else:
+            steps = flight.powers[uav.id]
+            used_j, source = _integral(steps.times_s, steps.power_w, end_s), SUMMED
+        found.append(
+            EnergyUse(uav.id, uav.energy_j, float(planned.energy_j[index]), used_j, source)
+        )
+    return tuple(found)
+
+
+def _integral(times_s: Array, power_w: Array, end_s: float) -> float:
+    """Energy of steps of power from 0 to `end_s`."""
+    begins = np.clip(times_s, 0.0, end_s)
+    ends = np.append(begins[1:], end_s)
+    return float((power_w * (ends - begins)).sum())

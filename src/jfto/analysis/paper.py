@@ -1,13 +1,15 @@
-"""What the paper reports (table_connectivity, table_PE), to be printed beside our own figures.
+"""The comparison in words, beside what the paper reports (table_connectivity, table_PE).
 
-Its throughput column is headed Kb/s; with its own bandwidth and noise the figures fit Mb/s, the
-mean over the slots, and are compared as such.
+The paper's throughput column is headed Kb/s; with its own bandwidth and noise the figures fit Mb/s,
+the mean over the slots, and are compared as such.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
+
+from jfto.analysis.comparison import OURS, AlgorithmResult, Comparison
 
 
 @dataclass(frozen=True)
@@ -47,3 +49,60 @@ PAPER: dict[str, dict[str, PaperRow]] = {
         "C-TOP": PaperRow(True, 0.9139, 7.71e3, None),
     },
 }
+
+# What `beside_paper` gives, in its order.
+HEADINGS = ("Traverses all", "ξ (%)", "Throughput (Mb/s)", "Hops")
+
+
+def beside_paper(result: AlgorithmResult, scene: str) -> list[tuple[str, str]]:
+    """An algorithm's figures and the paper's, as texts; those are empty where it gives none."""
+    linked = result.linked
+    ours = _cells(
+        result.traverses_all, linked.connectivity_rate, linked.mean_throughput_mbps, linked.hops
+    )
+    theirs = PAPER.get(scene, {}).get(result.name)
+    beside = [""] * len(ours) if theirs is None else _cells(*astuple(theirs))
+    return list(zip(ours, beside, strict=True))
+
+
+def throughput_ratios(comparison: Comparison) -> dict[str, float]:
+    """C-TOP's throughput over each baseline's."""
+    ours = comparison.ours.linked.mean_throughput_mbps
+    return {
+        result.name: ours / result.linked.mean_throughput_mbps
+        for result in comparison.results
+        if result.name != OURS and result.linked.mean_throughput_mbps > 0
+    }
+
+
+def ratios_text(comparison: Comparison, scene: str) -> str:
+    """These ratios with the paper's, as "1.64 × A-LMST (paper 2.78), …"; empty without any."""
+    rows = PAPER.get(scene)
+    theirs = {} if rows is None else {n: rows[OURS].throughput / rows[n].throughput for n in rows}
+    return ", ".join(
+        f"{ratio:.2f} × {name}" + (f" (paper {theirs[name]:.2f})" if name in theirs else "")
+        for name, ratio in throughput_ratios(comparison).items()
+    )
+
+
+def active_text(comparison: Comparison) -> str:
+    """What C-TOP's active links alone are worth, in one sentence."""
+    active = comparison.ours.active
+    return (
+        "A link is any pair that hears each other, for all algorithms alike. C-TOP's active links "
+        f"alone carry {active.mean_throughput_mbps:.0f} Mb/s, with ξ "
+        f"{100 * active.connectivity_rate:.1f} % and {active.hops:.2f} hops."
+    )
+
+
+def number(value: float | None, decimals: int, *, signed: bool = False) -> str:
+    """A number with its digits, in words where it is not finite, a dash where it is unknown."""
+    if value is None or math.isnan(value):
+        return "–"
+    if math.isinf(value):
+        return "inf" if value > 0 else "-inf"
+    return f"{value:{'+' if signed else ''}.{decimals}f}"
+
+
+def _cells(traverses_all: bool, rate: float, mbps: float, hops: float | None) -> list[str]:
+    return ["yes" if traverses_all else "no", f"{100 * rate:.1f}", f"{mbps:.0f}", number(hops, 2)]

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from jfto.analysis.motion import flown
+from jfto.analysis.motion import motions
 from jfto.analysis.record import RecordedFlight, Track
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.types import Array
@@ -50,7 +50,7 @@ def passages_of(flight: RecordedFlight, plan: Plan) -> tuple[Passage, ...]:
     """Every waypoint of the plan, UAV by UAV in the order of the routes."""
     where = {waypoint.id: np.array(waypoint.position_m) for waypoint in plan.waypoints}
     found = []
-    for uav, route, motion in zip(plan.uavs, plan.routes, flown(plan), strict=True):
+    for uav, route, motion in zip(plan.uavs, plan.routes, motions(plan), strict=True):
         track = flight.tracks[uav.id]
         planned = Track(motion.times_s, motion.position_m)
         late_s, after_s = 0.0, 0.0
@@ -61,6 +61,37 @@ def passages_of(flight: RecordedFlight, plan: Plan) -> tuple[Passage, ...]:
             if reached_s is not None and closest_m <= VISITED_M:
                 late_s, after_s = reached_s - planned_s, reached_s
     return tuple(found)
+
+
+@dataclass(frozen=True)
+class UavTiming:
+    """How one UAV kept to its waypoints: `visited` of `count`, timing errors in s over those that
+    were visited, late is positive, and distances in m over all; None where there are none.
+    """
+
+    uav: str
+    visited: int
+    count: int
+    mean_late_s: float | None
+    worst_late_s: float | None
+    median_m: float | None
+    worst_m: float | None
+
+
+def timing_of(uav: str, passages: Sequence[Passage]) -> UavTiming:
+    """The UAV's timing, out of the whole fleet's passages."""
+    mine = [one for one in passages if one.uav == uav]
+    late = [one.late_s for one in mine if one.visited and one.late_s is not None]
+    closest = [one.closest_m for one in mine]
+    return UavTiming(
+        uav=uav,
+        visited=sum(one.visited for one in mine),
+        count=len(mine),
+        mean_late_s=float(np.mean(late)) if late else None,
+        worst_late_s=max(late, key=abs, default=None),
+        median_m=float(np.median(closest)) if closest else None,
+        worst_m=max(closest, default=None),
+    )
 
 
 def finished_s(passages: tuple[Passage, ...]) -> Mapping[str, float]:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rosbags.typesys import Stores, get_typestore
 
-from jfto.analysis.lift_off import seen_lift_off_ns
+from jfto.analysis.clock import TimeMap, seen_lift_off_ns
 from jfto.analysis.record import (
     READ_BACK,
     SETPOINT,
@@ -22,9 +22,8 @@ from jfto.analysis.record import (
     PowerSteps,
     RecordedFlight,
     Track,
+    Trouble,
 )
-from jfto.analysis.time_map import TimeMap
-from jfto.analysis.troubles import troubles_of
 from jfto.bag.errors import BagError
 from jfto.bag.reader import Bag, BagMessage
 from jfto_msgs_py.errors import InputError, MessageError
@@ -32,7 +31,7 @@ from jfto_msgs_py.network import Adjacency, PowerSchedule
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.ros import topics
 from jfto_msgs_py.ros.air import decode_air_array
-from jfto_msgs_py.ros.diagnostics import Diagnostics, decode_diagnostics
+from jfto_msgs_py.ros.diagnostics import OK, Diagnostics, Status, decode_diagnostics
 from jfto_msgs_py.ros.events import Event, decode_event
 from jfto_msgs_py.ros.network import decode_adjacency, decode_power_schedule
 from jfto_msgs_py.ros.stamps import decode_time
@@ -48,6 +47,8 @@ _AIR = {
 }
 # A start that was foreseen is not believed where the vehicles climbed at another time.
 _APART_NS = 2 * 10**9
+# Diagnostics come once a second; a longer silence ends a spell.
+_SPELL_GAP_S = 3.0
 _INDEX = re.compile(r"\[\d+\]")
 
 
@@ -210,3 +211,33 @@ def _air_log(reports: list[tuple[int, NDArray[np.float64]]], lift_off_ns: int) -
     by_time = sorted(dict(reports).items())
     stamps = np.array([stamp for stamp, _ in by_time], dtype=np.int64)
     return AirLog((stamps - lift_off_ns) / 1e9, np.stack([values for _, values in by_time]))
+
+
+def troubles_of(said: Sequence[Diagnostics], lift_off_ns: int) -> tuple[Trouble, ...]:
+    """Spells during which a node's status on a UAV, or on itself, was worse than OK.
+
+    One that changes its level begins anew; the text is the spell's first.
+    """
+    open_spells: dict[tuple[str, str], Trouble] = {}
+    ended: list[Trouble] = []
+    for diagnostics in sorted(said, key=lambda each: each.stamp_ns):
+        now_s = (diagnostics.stamp_ns - lift_off_ns) / 1e9
+        for status in diagnostics.statuses:
+            key = (diagnostics.node_name, status.uav_id)
+            spell = open_spells.get(key)
+            if spell is not None and _goes_on(spell, status, now_s):
+                open_spells[key] = _longer(spell, now_s)
+                continue
+            if spell is not None:
+                ended.append(open_spells.pop(key))
+            if status.level != OK:
+                open_spells[key] = Trouble(*key, status.level, status.text, now_s, now_s)
+    return tuple(sorted([*ended, *open_spells.values()], key=lambda each: each.from_s))
+
+
+def _goes_on(spell: Trouble, status: Status, now_s: float) -> bool:
+    return status.level == spell.level and now_s - spell.to_s <= _SPELL_GAP_S
+
+
+def _longer(spell: Trouble, now_s: float) -> Trouble:
+    return Trouble(spell.node, spell.uav, spell.level, spell.text, spell.from_s, now_s)

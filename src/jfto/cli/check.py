@@ -6,17 +6,15 @@ from pathlib import Path
 
 import click
 
-from jfto.cli.options import debug_option, json_option
+from jfto.cli.options import json_option
 
 
 @click.command("check")
 @click.argument("plan", type=click.Path(path_type=Path))
 @json_option
-@debug_option
 def command(
     plan: Path,
     as_json: bool,
-    debug: bool,  # noqa: ARG001  main() reads it
 ) -> int:
     """Verify PLAN from its positions alone, with code that planning does not use.
 
@@ -24,7 +22,7 @@ def command(
     durations, lengths, energy. Status 0 if all holds, 3 if not.
     """
     from jfto.cli.failure import EXIT_INFEASIBLE
-    from jfto.console.summary import plan_facts, print_json
+    from jfto.console.results import plan_facts, print_json
     from jfto.planning.routes import read_and_certify
 
     read = read_and_certify(plan)

@@ -3,49 +3,35 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from jfto.cli.options import (
-    debug_option,
-    json_option,
-    load,
-    out_option,
-    scenario_argument,
-    set_option,
-)
+from jfto.cli.options import json_option, out_option, scenario_options
+
+if TYPE_CHECKING:
+    from jfto.planning.scenario_file import LoadedScenario
 
 
 @click.command("coverage")
-@scenario_argument
+@scenario_options(searched=False)
 @out_option("FILE", "not written; .csv or .geojson")
-@set_option
 @json_option
-@debug_option
-def command(
-    scenario: Path,
-    out: Path | None,
-    overrides: tuple[str, ...],
-    as_json: bool,
-    debug: bool,  # noqa: ARG001  main() reads it
-) -> int:
+def command(loaded: LoadedScenario, out: Path | None, as_json: bool) -> int:
     """Place the cameras of SCENARIO and prove by ray casting what they see.
 
     \b
     Example:  jfto coverage config/demo.yaml --set coverage.gsd_cm=5 -o waypoints.csv
     """
-    loaded = load(scenario, overrides)
-
-    from jfto.analysis.export import coverage_object
-    from jfto.analysis.waypoint_export import check_suffix, write_waypoints
-    from jfto.console.summary import print_json
-    from jfto.console.watcher import TerminalWatcher
+    from jfto.analysis.export import check_waypoint_suffix, coverage_object, write_waypoints
+    from jfto.console.results import print_json
+    from jfto.console.stages import show_stages
     from jfto.planning.survey import survey
 
     if out is not None:
-        check_suffix(out)
-    with TerminalWatcher(quiet=as_json) as watcher:
-        found = survey(loaded, watcher)
+        check_waypoint_suffix(out)
+    with show_stages(quiet=as_json) as progress:
+        found = survey(loaded, progress)
     if out is not None:
         write_waypoints(found, out)
     if as_json:

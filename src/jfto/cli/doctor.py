@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import click
 
-from jfto.cli.options import debug_option, json_option
+from jfto.cli.options import json_option
 
 
 @click.command("doctor")
 @json_option
-@debug_option
 def command(
     as_json: bool,
-    debug: bool,  # noqa: ARG001  main() reads it
 ) -> int:
     """Say what is installed, what is missing, and what to do about it."""
-    from jfto.console.summary import print_json
+    from jfto.console.results import print_json
     from jfto.doctor import examine
 
     findings = examine()

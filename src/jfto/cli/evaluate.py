@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jfto.cli.options import debug_option, json_option, load, out_option, seed_option, set_option
+from jfto.cli.options import json_option, load, out_option, seed_option, set_option
 
 if TYPE_CHECKING:
-    from jfto.console.progress import Watcher
+    from jfto.console.progress import Progress
     from jfto.pipeline.evaluation import Evaluated
 
 
@@ -20,14 +20,12 @@ if TYPE_CHECKING:
 @seed_option
 @set_option
 @json_option
-@debug_option
 def command(
     inputs: tuple[str, ...],
     out: Path | None,
     seed: int | None,
     overrides: tuple[str, ...],
     as_json: bool,
-    debug: bool,  # noqa: ARG001  main() reads it
 ) -> int:
     """Compare C-TOP with MTP, A-LMST and CPAPO, beside the paper's figures.
 
@@ -39,15 +37,14 @@ def command(
     """
     from jfto.analysis.export import comparison_object
     from jfto.cli.failure import EXIT_INFEASIBLE
-    from jfto.console.summary import print_comparison, print_infeasible, print_json
-    from jfto.console.watcher import TerminalWatcher
+    from jfto.console.results import print_comparison, print_infeasible, print_json
+    from jfto.console.stages import show_stages
     from jfto.pipeline.evaluation import write_evaluation
-    from jfto.planning.routes import is_clean
 
-    with TerminalWatcher(quiet=as_json) as watcher:
-        done = [_evaluate(Path(name), seed, overrides, watcher) for name in inputs]
+    with show_stages(quiet=as_json) as progress:
+        done = [_evaluate(Path(name), seed, overrides, progress) for name in inputs]
         if out is not None:
-            write_evaluation(done, out, watcher)
+            write_evaluation(done, out, progress)
     rows = [(one.label, one.comparison) for one in done]
     if as_json:
         facts = [comparison_object(one.plan, one.comparison, one.scene) for one in done]
@@ -56,7 +53,7 @@ def command(
         print_comparison(rows)
         if out is not None:
             click.echo(f"Written to  {out}")
-    unclean = [one for one in done if not is_clean(one.plan)]
+    unclean = [one for one in done if not one.plan.clean]
     for one in unclean:
         if not as_json:
             print_infeasible(one.plan, "not written; use jfto plan")
@@ -64,7 +61,7 @@ def command(
 
 
 def _evaluate(
-    path: Path, seed: int | None, overrides: tuple[str, ...], watcher: Watcher
+    path: Path, seed: int | None, overrides: tuple[str, ...], progress: Progress
 ) -> Evaluated:
     from jfto.pipeline.evaluation import evaluate_plan_file, evaluate_scenario
 
@@ -73,5 +70,5 @@ def _evaluate(
             raise click.UsageError(
                 f"{path} is a plan; --set and --seed change scenarios only. Plan anew with them."
             )
-        return evaluate_plan_file(path, watcher)
-    return evaluate_scenario(load(path, overrides, seed), watcher)
+        return evaluate_plan_file(path, progress)
+    return evaluate_scenario(load(path, overrides, seed), progress)

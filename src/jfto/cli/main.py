@@ -82,6 +82,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
     as_json, debug = "--json" in arguments, "--debug" in arguments
+    # For whoever has to find a cause: tracebacks instead of sentences, whatever the command.
+    arguments = [one for one in arguments if one != "--debug"]
     try:
         result = cli.main(arguments, prog_name="jfto", standalone_mode=False)
         return result if isinstance(result, int) else 0

@@ -116,7 +116,7 @@ def build(
     """
     from jfto.pipeline.directory import SCENARIO_NAME
     from jfto.planning.scenario_file import load_scenario
-    from jfto.planning.survey import load_ground
+    from jfto.planning.terrain import load_ground
     from jfto_mavlink.errors import MissionError
     from jfto_mavlink.mission.build import build_missions
     from jfto_mavlink.mission.limits import MissionLimits

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -42,6 +43,31 @@ debug_option = click.option("--debug", is_flag=True, hidden=True, help="Show tra
 def out_option(kind: str, default: str) -> Callable[[Function], Function]:
     """Option -o/--out that names where results go."""
     return click.option("-o", "--out", type=_PATH, metavar=kind, help=f"Default: {default}.")
+
+
+def scenario_options(*, searched: bool = True) -> Callable[[Function], Function]:
+    """Argument SCENARIO and what changes it; the command takes the loaded scenario as `loaded`.
+
+    With `searched` the seed and the method of the search are among that.
+    """
+
+    def decorate(function: Function) -> Function:
+        @wraps(function)
+        def command(
+            scenario: Path,
+            overrides: tuple[str, ...],
+            seed: int | None = None,
+            method: str | None = None,
+            **others: Any,
+        ) -> int:
+            return function(loaded=load(scenario, overrides, seed, method), **others)
+
+        changing = (method_option, seed_option, set_option) if searched else (set_option,)
+        for option in reversed((scenario_argument, *changing)):
+            command = option(command)
+        return command
+
+    return decorate
 
 
 def load(

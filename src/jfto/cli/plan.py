@@ -3,41 +3,25 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from jfto.cli.options import (
-    debug_option,
-    json_option,
-    load,
-    method_option,
-    out_option,
-    scenario_argument,
-    seed_option,
-    set_option,
-)
+from jfto.cli.options import json_option, out_option, scenario_options
+
+if TYPE_CHECKING:
+    from jfto.planning.scenario_file import LoadedScenario
 
 
 @click.command("plan")
-@scenario_argument
+@scenario_options()
 @out_option("FILE", "plan.json")
 @click.option(
     "--warm-start", type=click.Path(path_type=Path), metavar="PLAN", help="Improve this plan."
 )
-@method_option
-@seed_option
-@set_option
 @json_option
-@debug_option
 def command(
-    scenario: Path,
-    out: Path | None,
-    warm_start: Path | None,
-    method: str | None,
-    seed: int | None,
-    overrides: tuple[str, ...],
-    as_json: bool,
-    debug: bool,  # noqa: ARG001  main() reads it
+    loaded: LoadedScenario, out: Path | None, warm_start: Path | None, as_json: bool
 ) -> int:
     """Plan the routes of SCENARIO and write a verified plan.
 
@@ -47,25 +31,23 @@ def command(
     \b
     Example:  jfto plan config/wanglang.yaml -o plan.json --seed 1
     """
-    loaded = load(scenario, overrides, seed, method)
-
     from jfto.cli.failure import EXIT_INFEASIBLE, EXIT_INTERRUPTED
-    from jfto.console.summary import plan_facts, print_infeasible, print_json
-    from jfto.console.watcher import TerminalWatcher
+    from jfto.console.results import plan_facts, print_infeasible, print_json
+    from jfto.console.stages import show_stages
     from jfto.pipeline.run import save_plan
-    from jfto.planning.routes import is_clean, plan_routes
+    from jfto.planning.routes import plan_routes
     from jfto.planning.survey import survey
     from jfto_msgs_py.plan_file import read_plan
 
     earlier = None if warm_start is None else read_plan(warm_start)
-    with TerminalWatcher(quiet=as_json) as watcher:
-        found = survey(loaded, watcher)
-        planned = plan_routes(loaded.scenario, found, watcher, warm_start=earlier)
+    with show_stages(quiet=as_json) as progress:
+        found = survey(loaded, progress)
+        planned = plan_routes(loaded.scenario, found, progress, warm_start=earlier)
     path = save_plan(planned.plan, out or Path("plan.json"))
     if as_json:
         learned = {"learned": planned.learned} if planned.learned else {}
         print_json(plan_facts(planned.plan, str(path)) | learned)
-    if not is_clean(planned.plan):
+    if not planned.plan.clean:
         if not as_json:
             print_infeasible(planned.plan, str(path))
         return EXIT_INTERRUPTED if planned.interrupted else EXIT_INFEASIBLE

@@ -6,17 +6,15 @@ from pathlib import Path
 
 import click
 
-from jfto.cli.options import debug_option, json_option
+from jfto.cli.options import json_option
 
 
 @click.command("report")
 @click.argument("directory", metavar="DIR", type=click.Path(path_type=Path))
 @json_option
-@debug_option
 def command(
     directory: Path,
     as_json: bool,
-    debug: bool,  # noqa: ARG001  main() reads it
 ) -> int:
     """Rebuild comparison, figures and report of the run in DIR from its scenario, plan and bag.
 
@@ -25,12 +23,12 @@ def command(
     docs/flight.md describes.
     """
     from jfto.analysis.flight_file import flight_facts_object
-    from jfto.console.summary import print_json
-    from jfto.console.watcher import TerminalWatcher
+    from jfto.console.results import print_json
+    from jfto.console.stages import show_stages
     from jfto.pipeline.run import rebuild
 
-    with TerminalWatcher(quiet=as_json) as watcher:
-        outcome = rebuild(directory, watcher)
+    with show_stages(quiet=as_json) as progress:
+        outcome = rebuild(directory, progress)
     if as_json:
         facts = {"plan": str(outcome.plan_path), "report": str(outcome.report)}
         flight = outcome.flight

@@ -8,30 +8,19 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jfto.cli.mission_options import PATH, key_option, roster_texts
-from jfto.cli.options import (
-    debug_option,
-    json_option,
-    load,
-    method_option,
-    out_option,
-    scenario_argument,
-    seed_option,
-    set_option,
-)
+from jfto.cli.options import json_option, out_option, scenario_options
 
 if TYPE_CHECKING:
     from jfto.conduct.flight_job import FlightEnd
-    from jfto.console.watcher import TerminalWatcher
+    from jfto.console.stages import StageProgress
     from jfto.pipeline.run import Run
     from jfto.planning.scenario_file import LoadedScenario
     from jfto.supervision.graph_table import Vehicles
 
 
 @click.command("run")
-@scenario_argument
+@scenario_options()
 @out_option("DIR", "run-<UTC time>")
-@method_option
-@seed_option
 @click.option("--plan", "plan_file", type=PATH, metavar="FILE", help="Plan to fly; else planned.")
 @click.option(
     "--until",
@@ -56,19 +45,8 @@ if TYPE_CHECKING:
     help="Simulated vehicles: times real time. Default: what this computer carries, at most 10.",
 )
 @click.option("--arm", is_flag=True, help="Arm vehicles that are real without asking.")
-@set_option
 @json_option
-@debug_option
-def command(
-    scenario: Path,
-    out: Path | None,
-    method: str | None,
-    seed: int | None,
-    overrides: tuple[str, ...],
-    as_json: bool,
-    debug: bool,  # noqa: ARG001  main() reads it
-    **choices: Any,
-) -> int:
+def command(loaded: LoadedScenario, out: Path | None, as_json: bool, **choices: Any) -> int:
     """Plan SCENARIO, fly it, adapt to how it is really flown, record it and report.
 
     Coverage, routes, topology and power are planned and certified; the missions are uploaded and
@@ -86,49 +64,43 @@ def command(
     Example:  jfto run config/demo.yaml
               jfto run mine.yaml --until arm --vehicles udpin:0.0.0.0:14550
     """
-    loaded = load(scenario, overrides, seed, method)
-
     from jfto.cli.failure import EXIT_INFEASIBLE, EXIT_INTERRUPTED
-    from jfto.console.run_summary import print_run, run_status
-    from jfto.console.watcher import TerminalWatcher
+    from jfto.console.results import print_run, run_status
+    from jfto.console.stages import show_stages
     from jfto.pipeline.directory import make_run_directory, require_no_flight, what_is_kept
-    from jfto.pipeline.run import rebuild, run_all
-    from jfto.planning.routes import is_clean
+    from jfto.pipeline.run import Pipeline
 
-    until, plan_file = choices["until"], choices["plan_file"]
-    vehicles = None if until == "plan" else _vehicles(loaded, choices)
+    vehicles = None if choices["until"] == "plan" else _vehicles(loaded, choices)
     directory = make_run_directory(out).resolve()
     if vehicles is not None:
         require_no_flight(directory)
     flight = None
-    with TerminalWatcher(quiet=as_json) as watcher:
-        _say_scenario(scenario, loaded, watcher)
+    with show_stages(quiet=as_json) as progress:
+        progress.console.line(_scenario_line(loaded))
+        pipeline = Pipeline(loaded, directory, progress)
         try:
-            if vehicles is None and plan_file is None:
-                run = run_all(loaded, directory, watcher)
-            else:
-                run = _plan(loaded, plan_file, directory, watcher)
-                if run.interrupted:
-                    raise KeyboardInterrupt
-                if vehicles is not None and is_clean(run.plan):
-                    flight = _fly(loaded, run, vehicles, choices, watcher)
-                run = rebuild(directory, watcher)
+            file = choices["plan_file"]
+            planned = pipeline.plan() if file is None else pipeline.take(file)
+            if planned.interrupted:
+                raise KeyboardInterrupt
+            if vehicles is not None and planned.plan.clean:
+                flight = _fly(loaded, planned, vehicles, choices, progress)
+            run = pipeline.report(planned)
         except KeyboardInterrupt:
-            run = None
-    if run is None or run.comparison is None:
-        state = "" if flight is None else f" {flight.outcome.text}"
-        click.echo(f"Interrupted.{state} {what_is_kept(directory)}", err=True)
-        return EXIT_INTERRUPTED
+            state = "" if flight is None else f" {flight.outcome.text}"
+            progress.console.hide()
+            click.echo(f"Interrupted.{state} {what_is_kept(directory)}", err=True)
+            return EXIT_INTERRUPTED
     print_run(loaded, run, flight, as_json=as_json)
-    return EXIT_INFEASIBLE if not is_clean(run.plan) else run_status(run, flight)
+    return run_status(run, flight) if run.plan.clean else EXIT_INFEASIBLE
 
 
-def _say_scenario(path: Path, loaded: LoadedScenario, watcher: TerminalWatcher) -> None:
-    fleet, area = loaded.scenario.fleet, loaded.scenario.terrain.size_m
-    watcher.console.print(
-        f"Scenario    {path}   {fleet.count} UAVs, {area[0] / 1000:g} × {area[1] / 1000:g} km, "
-        f"{loaded.scenario.terrain.source}",
-        markup=False,
+def _scenario_line(loaded: LoadedScenario) -> str:
+    fleet, terrain = loaded.scenario.fleet, loaded.scenario.terrain
+    east, north = terrain.size_m
+    return (
+        f"Scenario    {loaded.path}   {fleet.count} UAVs, {east / 1000:g} × {north / 1000:g} km, "
+        f"{terrain.source}"
     )
 
 
@@ -158,37 +130,27 @@ def _vehicles(loaded: LoadedScenario, choices: dict[str, Any]) -> Vehicles:
     return vehicles
 
 
-def _plan(
-    loaded: LoadedScenario, plan_file: Path | None, directory: Path, watcher: TerminalWatcher
-) -> Run:
-    from jfto.pipeline.run import plan_only, take_plan
-
-    if plan_file is not None:
-        return take_plan(loaded, plan_file, directory, watcher)
-    return plan_only(loaded, directory, watcher)
-
-
 def _fly(
     loaded: LoadedScenario,
     run: Run,
     vehicles: Vehicles,
     choices: dict[str, Any],
-    watcher: TerminalWatcher,
+    progress: StageProgress,
 ) -> FlightEnd:
-    """Run the graph and conduct the flight; what came of it is said in the watcher's lines."""
+    """Run the graph and conduct the flight; what came of it is said in the lines of the stages."""
     from jfto.conduct.flight_job import fly
     from jfto.conduct.operator import Terminal
     from jfto.conduct.prepare import prepare
     from jfto.conduct.settings import LANDED
-    from jfto.console.run_summary import say_flight
+    from jfto.console.results import say_flight
 
     ask = not (vehicles.simulated or choices["arm"] or choices["until"])
     job = prepare(loaded, run, vehicles, until=choices["until"] or LANDED, ask=ask)
-    watcher.begin("flight", "starting the graph")
-    watcher.pause()
-    console = watcher.console
+    progress.begin("flight", "starting the graph")
+    # The flight shows itself.
+    progress.console.hide()
+    console = progress.console.rich
     with Terminal(console, len(run.plan.uavs), quiet=console.quiet) as operator:
         end = fly(job, operator)
-    watcher.resume()
-    say_flight(run.plan, job, end, watcher)
+    say_flight(run.plan, job, end, progress)
     return end

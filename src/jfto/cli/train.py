@@ -6,8 +6,6 @@ from pathlib import Path
 
 import click
 
-from jfto.cli.options import debug_option
-
 
 @click.command("train")
 @click.argument("config", type=click.Path(path_type=Path))
@@ -28,14 +26,7 @@ from jfto.cli.options import debug_option
     help="auto: a GPU where there is one.",
 )
 @click.option("--threads", type=click.IntRange(1), metavar="N", help="CPU threads; default: all.")
-@debug_option
-def command(
-    config: Path,
-    out: Path,
-    device: str,
-    threads: int | None,
-    debug: bool,  # noqa: ARG001  main() reads it
-) -> int:
+def command(config: Path, out: Path, device: str, threads: int | None) -> int:
     """Train the learned planner RL-TP as CONFIG says.
 
     Stop it at any time: the same command goes on from the last checkpoint with the same curve.
@@ -50,8 +41,9 @@ def command(
     settings = read_training(config)
 
     import torch
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
+    from jfto.cli.failure import EXIT_INTERRUPTED
+    from jfto.console.stages import show_stages
     from jfto_msgs_py.errors import InputError
     from jfto_planner.policy.model import arrays_of
     from jfto_planner.policy.training.trainer import Progress as Step
@@ -65,23 +57,22 @@ def command(
     if threads:
         torch.set_num_threads(threads)
     trainer = Trainer(settings, out, device)
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
-    with Progress(*columns, disable=trainer.workers.rank != 0) as bar:
-        task = bar.add_task("training", total=settings.total_steps, completed=trainer.step)
+    with show_stages(quiet=trainer.workers.rank != 0) as progress:
+        progress.begin("training", f"{settings.total_steps} steps")
 
         def report(step: Step) -> None:
             row = step.row
-            text = (
+            progress.advance(
+                step.step / step.total,
                 f"step {step.step}/{step.total}  W={row['waypoints']:.0f} A={row['uavs']:.0f}  "
-                f"length {row['length']:.2f}  feasible {100 * row['feasible']:.0f} %"
+                f"length {row['length']:.2f}  feasible {100 * row['feasible']:.0f} %",
             )
-            bar.update(task, completed=step.step, description=text)
 
         try:
             best = trainer.run(report)
         except KeyboardInterrupt:
             click.echo(f"\nStopped. The same command goes on from {out}.", err=True)
-            return 130
+            return EXIT_INTERRUPTED
     if trainer.workers.rank == 0:
         digest = save_weights(arrays_of(best), best.shape, out / NAME)
         click.echo(f"Weights     {out / NAME}  sha256 {digest[:12]}…")

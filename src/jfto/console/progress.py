@@ -1,12 +1,10 @@
-"""How the pipeline tells whoever is watching what it is doing."""
+"""How the stages of a run tell whoever is watching what they are doing."""
 
 from __future__ import annotations
 
-from typing import Protocol
 
-
-class Watcher(Protocol):
-    """Follows the stages of a run."""
+class Progress:
+    """Follows the stages of a run. This one shows nothing; others override what they show."""
 
     def begin(self, stage: str, doing: str) -> None:
         """A stage has begun; `doing` says what it does."""
@@ -21,17 +19,4 @@ class Watcher(Protocol):
         """Something that the user should know and that stops nothing."""
 
 
-class SilentWatcher:
-    """A watcher that shows nothing."""
-
-    def begin(self, stage: str, doing: str) -> None:
-        """Ignore."""
-
-    def advance(self, fraction: float, note: str = "") -> None:
-        """Ignore."""
-
-    def end(self, stage: str, result: str, detail: str, *, good: bool = True) -> None:
-        """Ignore."""
-
-    def warn(self, text: str) -> None:
-        """Ignore."""
+SILENT = Progress()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,8 @@ from typing import Any
 import yaml
 
 from jfto.planning.scenario_file import BUILT_IN_DEM, SHARED, LoadedScenario
-from jfto.supervision.graph_table import BAG_NAME, ENERGY_NAME, FLIGHT_NAME, LIFT_OFF_NAME
+from jfto.supervision.graph_table import BAG_NAME, ENERGY_NAME, LIFT_OFF_NAME
+from jfto.supervision.graph_table import FLIGHT_NAME as FLIGHT_STATE_NAME
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.write_file import write_file
 
@@ -18,9 +20,13 @@ SCENARIO_NAME = "scenario.yaml"
 PLAN_NAME = "plan.json"
 INFEASIBLE_NAME = "plan.infeasible.json"
 COVERAGE_NAME = "coverage.json"
+COMPARISON_NAME = "comparison.npz"
+FLIGHT_NAME = "flight.json"
 REPORT_NAME = "report.html"
 LOG_NAME = "log.txt"
 FIGURES = "figures"
+# A recorder that is started again goes on in bag-2, bag-3 and so on.
+_BAG = re.compile(re.escape(BAG_NAME) + r"(?:-(\d+))?")
 
 
 def make_run_directory(out: Path | None) -> Path:
@@ -41,12 +47,18 @@ def make_run_directory(out: Path | None) -> Path:
 
 def require_no_flight(directory: Path) -> None:
     """Refuse a directory that a flight was recorded in; raises InputError."""
-    for name in (BAG_NAME, LIFT_OFF_NAME, ENERGY_NAME, FLIGHT_NAME):
+    for name in (BAG_NAME, LIFT_OFF_NAME, ENERGY_NAME, FLIGHT_STATE_NAME):
         if (directory / name).exists():
             raise InputError(
                 f"{directory}: holds a flight already ({name}). Name another directory with --out; "
                 f"--plan {directory / PLAN_NAME} flies its plan again."
             )
+
+
+def flight_bags(directory: Path) -> list[Path]:
+    """Bags of a run in the order in which they were begun; empty where nothing was recorded."""
+    found = [(_BAG.fullmatch(path.name), path) for path in directory.iterdir() if path.is_dir()]
+    return [path for _, path in sorted((int(name[1] or 1), path) for name, path in found if name)]
 
 
 def what_is_kept(directory: Path) -> str:
@@ -60,8 +72,11 @@ def what_is_kept(directory: Path) -> str:
     return f"There was no plan yet; {directory} holds the scenario only."
 
 
-def write_scenario(loaded: LoadedScenario, path: Path) -> None:
-    """Write the resolved scenario, files named by absolute paths, so that it stands alone."""
+def write_scenario(loaded: LoadedScenario, path: Path) -> str:
+    """Write the resolved scenario, files named by absolute paths, so that it stands alone.
+
+    Returns what was written.
+    """
     scenario = loaded.scenario
     terrain, waypoints = scenario.terrain, scenario.waypoints
     if terrain.source != BUILT_IN_DEM:
@@ -77,5 +92,7 @@ def write_scenario(loaded: LoadedScenario, path: Path) -> None:
         # ROS parameter files have no empty lists: a key that is left out has its default.
         if value != ():
             nested.setdefault(part, {})[key] = list(value) if isinstance(value, tuple) else value
-    text = yaml.safe_dump({SHARED: {"ros__parameters": nested}}, sort_keys=False, width=100)
-    write_file(path, f"# Resolved from {loaded.path.name}: every key, no default left out.\n{text}")
+    text = f"# Resolved from {loaded.path.name}: every key, no default left out.\n"
+    text += yaml.safe_dump({SHARED: {"ros__parameters": nested}}, sort_keys=False, width=100)
+    write_file(path, text)
+    return text

@@ -6,15 +6,15 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
-from jfto.analysis.compare import compare
-from jfto.analysis.comparison import Comparison
+from jfto.analysis.comparison import Comparison, compare
 from jfto.analysis.export import comparison_csv, comparison_object, slots_csv
-from jfto.console.progress import Watcher
+from jfto.console.progress import SILENT, Progress
 from jfto.pipeline.directory import SCENARIO_NAME
 from jfto.planning.routes import plan_routes, read_and_certify
 from jfto.planning.scenario_file import LoadedScenario, load_scenario
-from jfto.planning.survey import load_ground, survey
-from jfto.report.drawing import draw_figures
+from jfto.planning.survey import survey
+from jfto.planning.terrain import load_ground
+from jfto.report.figures import draw, plan_drawings
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.scenario.mission import EvaluationPart
 from jfto_msgs_py.write_file import write_file
@@ -40,16 +40,16 @@ class Evaluated:
         return self.evaluation.paper_scene
 
 
-def evaluate_scenario(loaded: LoadedScenario, watcher: Watcher) -> Evaluated:
+def evaluate_scenario(loaded: LoadedScenario, progress: Progress = SILENT) -> Evaluated:
     """Plan a scenario and compare; raises JftoError."""
-    found = survey(loaded, watcher)
-    planned = plan_routes(loaded.scenario, found, watcher)
+    found = survey(loaded, progress)
+    planned = plan_routes(loaded.scenario, found, progress)
     evaluation = loaded.scenario.evaluation
-    comparison = compare(planned.plan, evaluation.n_dc, watcher)
+    comparison = compare(planned.plan, evaluation.n_dc, progress)
     return Evaluated(loaded.path.stem, planned.plan, comparison, found.dem, evaluation)
 
 
-def evaluate_plan_file(path: Path, watcher: Watcher) -> Evaluated:
+def evaluate_plan_file(path: Path, progress: Progress = SILENT) -> Evaluated:
     """Check and compare a plan file, with the scenario of its run directory if there is one."""
     plan = read_and_certify(path)
     beside = path.parent / SCENARIO_NAME
@@ -57,22 +57,26 @@ def evaluate_plan_file(path: Path, watcher: Watcher) -> Evaluated:
     if beside.exists():
         loaded = load_scenario(beside)
         dem, evaluation = load_ground(loaded), loaded.scenario.evaluation
-    comparison = compare(plan, min(evaluation.n_dc, plan.slots.count), watcher)
+    comparison = compare(plan, min(evaluation.n_dc, plan.slots.count), progress)
     label = path.stem if evaluation.paper_scene == "none" else evaluation.paper_scene
     return Evaluated(label, plan, comparison, dem, evaluation)
 
 
-def write_evaluation(done: list[Evaluated], directory: Path, watcher: Watcher) -> None:
-    """Write the table as CSV and JSON, and for each plan its slots and figures."""
+def write_evaluation(done: list[Evaluated], directory: Path, progress: Progress = SILENT) -> None:
+    """Write the table as CSV and JSON, and for each plan a folder with its slots and figures."""
     rows = [(one.label, one.comparison) for one in done]
     write_file(directory / "comparison.csv", comparison_csv(rows))
     facts = [comparison_object(one.plan, one.comparison, one.scene) for one in done]
     write_file(directory / "comparison.json", json.dumps(facts, indent=1) + "\n")
-    for one in done:
-        folder = directory / one.label
+    labels = [one.label for one in done]
+    for number, one in enumerate(done):
+        # Several plans of one scene share its label.
+        before = labels[:number].count(one.label)
+        folder = directory / (f"{one.label}-{before + 1}" if before else one.label)
         write_file(folder / "slots.csv", slots_csv(one.plan, one.comparison))
         if one.dem is None:
-            watcher.warn(
+            progress.warn(
                 f"{one.label}: no {SCENARIO_NAME} beside the plan, so no terrain: maps left out."
             )
-        draw_figures(one.plan, one.comparison, one.dem, one.evaluation.slot_shown, folder, watcher)
+        drawings = plan_drawings(one.plan, one.comparison, one.dem, one.evaluation.slot_shown)
+        draw(drawings, folder, progress)

@@ -1,80 +1,324 @@
-"""The whole run: terrain to report, every stage's result in one directory."""
+"""The whole job of one scenario in one directory: terrain to report, each stage once.
+
+Stages hand their records on; files are for the user, and for the next run in the same directory,
+which keeps what still fits.
+"""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from jfto.analysis.compare import compare
-from jfto.analysis.comparison import Comparison
-from jfto.analysis.export import comparison_csv, comparison_object, coverage_object, slots_csv
-from jfto.analysis.facts import FlightFacts
-from jfto.console.progress import Watcher
+from jfto.console.progress import SILENT, Progress
 from jfto.pipeline.directory import (
+    COMPARISON_NAME,
     COVERAGE_NAME,
     FIGURES,
+    FLIGHT_NAME,
     INFEASIBLE_NAME,
     PLAN_NAME,
+    REPORT_NAME,
     SCENARIO_NAME,
+    flight_bags,
     write_scenario,
 )
-from jfto.pipeline.flight import draw_flight, fly_again
-from jfto.planning.routes import is_clean, plan_routes, read_and_certify
-from jfto.planning.scenario_file import LoadedScenario, load_scenario
-from jfto.planning.survey import load_ground, survey
-from jfto.report.drawing import draw_figures
-from jfto.report.reporting import write_report
-from jfto_msgs_py.errors import InputError, PlanError
+from jfto.pipeline.products import Products, digest
+from jfto.planning.scenario_file import BUILT_IN_DEM, LoadedScenario, load_scenario
+from jfto.planning.terrain import load_ground
+from jfto_msgs_py.errors import InputError, JftoError, PlanError
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.plan_file import read_plan, write_plan
+from jfto_msgs_py.read_text import read_text
 from jfto_msgs_py.write_file import write_file
-from jfto_world.terrain import Dem
+
+if TYPE_CHECKING:
+    from jfto.analysis.comparison import Comparison
+    from jfto.analysis.facts import FlightFacts
+    from jfto_world.terrain import Dem
+
+_SIZE_LIMIT = 50_000_000
+_KEPT = "kept: made of the same scenario, terrain and program"
 
 
 @dataclass(frozen=True)
 class Run:
     """What a run came to. `plan_path` names an infeasible plan where the certificate is not clean;
-    `report` and `comparison` are None where the run was interrupted after planning, `flight` where
-    no flight is on record.
+    `report` and `comparison` are None where the run ended after planning, `flight` where no flight
+    is on record.
     """
 
     plan: Plan
     plan_path: Path
-    comparison: Comparison | None
-    report: Path | None
-    interrupted: bool
+    interrupted: bool = False
+    comparison: Comparison | None = None
+    report: Path | None = None
     flight: FlightFacts | None = None
 
 
-def run_all(loaded: LoadedScenario, directory: Path, watcher: Watcher) -> Run:
-    """Every stage of the desk job; raises JftoError, leaving the results so far in `directory`."""
-    run, dem = _plan(loaded, directory, watcher)
-    if run.interrupted:
-        return run
-    return _conclude(run, loaded, directory, dem, watcher)
+def run_all(loaded: LoadedScenario, directory: Path, progress: Progress = SILENT) -> Run:
+    """Every stage but the flight; raises JftoError, leaving the results so far in `directory`."""
+    pipeline = Pipeline(loaded, directory, progress)
+    run = pipeline.plan()
+    return run if run.interrupted else pipeline.report(run)
 
 
-def plan_only(loaded: LoadedScenario, directory: Path, watcher: Watcher) -> Run:
-    """Terrain to plan; raises JftoError, leaving the results so far in `directory`."""
-    return _plan(loaded, directory, watcher)[0]
+def rebuild(directory: Path, progress: Progress = SILENT) -> Run:
+    """Comparison, figures and report anew from scenario, plan and bag of a run directory."""
+    if not directory.is_dir():
+        raise InputError(f"{directory}: is no directory. Name the directory of a run.")
+    if not (directory / SCENARIO_NAME).exists():
+        raise InputError(
+            f"{directory}: holds no {SCENARIO_NAME}, so it is not the directory of a run. "
+            "Make one with jfto run SCENARIO."
+        )
+    loaded = load_scenario(directory / SCENARIO_NAME)
+    path = directory / PLAN_NAME
+    if not path.exists() and (directory / INFEASIBLE_NAME).exists():
+        path = directory / INFEASIBLE_NAME
+    pipeline = Pipeline(loaded, directory, progress, anew=True)
+    return pipeline.report(Run(read_plan(path), path))
 
 
-def take_plan(loaded: LoadedScenario, file: Path, directory: Path, watcher: Watcher) -> Run:
-    """A plan that is there already, checked anew and copied to `directory`.
+def save_plan(plan: Plan, path: Path) -> Path:
+    """Write a clean plan to `path`, another one beside it as .infeasible.json; returns where.
 
-    Raises PlanError where it is not for the scenario's fleet and slots.
+    A clean plan that already lies at `path` is never replaced by an infeasible one.
     """
-    write_scenario(loaded, directory / SCENARIO_NAME)
-    watcher.begin("routes", "checking with independent code")
-    plan = read_and_certify(file)
-    _require_fit(plan, loaded, file)
-    path = save_plan(plan, directory / PLAN_NAME)
-    length = f"{plan.total_length_m / 1000:.2f} km"
-    watcher.end("routes", length, f"from {file}, checked anew", good=is_clean(plan))
-    if plan.scenario_hash != loaded.scenario.scenario_hash():
-        watcher.warn(f"{file} was planned with other values than {loaded.path} has.")
-    return Run(plan, path, None, None, interrupted=False)
+    if not plan.clean:
+        path = path.with_name(f"{path.stem}.infeasible.json")
+    write_plan(plan, path)
+    return path
+
+
+class Pipeline:
+    """One run of a scenario. Call `plan` or `take`, fly if you will, then `report`.
+
+    All raise JftoError, leaving the results so far in `directory`. With `anew` nothing is kept of
+    what earlier runs left there.
+    """
+
+    def __init__(
+        self,
+        loaded: LoadedScenario,
+        directory: Path,
+        progress: Progress = SILENT,
+        *,
+        anew: bool = False,
+    ) -> None:
+        self._loaded, self._directory, self._progress = loaded, directory, progress
+        self._products = Products(directory, anew=anew)
+
+    def plan(self) -> Run:
+        """Terrain to plan."""
+        scenario = self._loaded.scenario
+        inputs = digest([scenario.scenario_hash(), str(scenario.search.seed), *self._given])
+        kept = self._kept_plan(inputs)
+        if kept is not None:
+            return kept
+        from jfto.planning.routes import plan_routes
+        from jfto.planning.survey import survey
+
+        found = survey(self._loaded, self._progress)
+        # Of an earlier scenario there may be one whose waypoints were computed.
+        (self._directory / COVERAGE_NAME).unlink(missing_ok=True)
+        files = []
+        if found.coverage is not None:
+            from jfto.analysis.export import coverage_object
+
+            files.append(self._write_json(COVERAGE_NAME, coverage_object(found.coverage)))
+        self._dem = found.dem
+        planned = plan_routes(scenario, found, self._progress)
+        path = save_plan(planned.plan, self._directory / PLAN_NAME)
+        if not planned.interrupted:
+            self._products.made("plan", inputs, [*files, path])
+        return Run(planned.plan, path, interrupted=planned.interrupted)
+
+    def take(self, file: Path) -> Run:
+        """A plan that is there already, checked anew and copied to the directory.
+
+        Raises PlanError where it is not for the scenario's fleet and slots.
+        """
+        inputs = digest(["taken", self._loaded.scenario.scenario_hash(), file])
+        kept = self._kept_plan(inputs)
+        if kept is not None:
+            return kept
+        from jfto.planning.routes import read_and_certify
+
+        self._progress.begin("routes", "checking with independent code")
+        plan = read_and_certify(file)
+        _require_fit(plan, self._loaded, file)
+        path = save_plan(plan, self._directory / PLAN_NAME)
+        length = f"{plan.total_length_m / 1000:.2f} km"
+        self._progress.end("routes", length, f"from {file}, checked anew", good=plan.clean)
+        if plan.scenario_hash != self._loaded.scenario.scenario_hash():
+            self._progress.warn(
+                f"{file} was planned with other values than {self._loaded.path} has."
+            )
+        self._products.made("plan", inputs, [path])
+        return Run(plan, path)
+
+    def report(self, run: Run) -> Run:
+        """What comes after the plan, and after the flight where one is on record."""
+        inputs = digest([self._configuration, *self._given, run.plan_path])
+        comparison = self._compared(run.plan, inputs)
+        flight = self._flown(run.plan, comparison)
+        self._draw(run.plan, comparison, flight, inputs)
+        run = replace(run, comparison=comparison, flight=flight)
+        return replace(run, report=self._page(run, inputs))
+
+    def _kept_plan(self, inputs: str) -> Run | None:
+        """The plan of an earlier run, where it was made of the same; writes the scenario anyway."""
+        self._configuration = write_scenario(self._loaded, self._directory / SCENARIO_NAME)
+        files = self._products.kept("plan", inputs)
+        if not files:
+            return None
+        path = files[-1]
+        plan = read_plan(path)
+        self._progress.end("routes", f"{plan.total_length_m / 1000:.2f} km", _KEPT, good=plan.clean)
+        return Run(plan, path)
+
+    def _compared(self, plan: Plan, inputs: str) -> Comparison:
+        from jfto.analysis import export
+        from jfto.analysis.comparison import compare
+
+        evaluation, arrays = self._loaded.scenario.evaluation, self._directory / COMPARISON_NAME
+        if self._products.kept("comparison", inputs):
+            self._progress.end("compare", "4 algorithms", _KEPT)
+            return export.read_comparison(arrays)
+        comparison = compare(plan, evaluation.n_dc, self._progress)
+        scene = evaluation.paper_scene
+        files: dict[str, str | bytes] = {
+            "comparison.csv": export.comparison_csv([(scene, comparison)]),
+            "slots.csv": export.slots_csv(plan, comparison),
+            COMPARISON_NAME: export.comparison_arrays(comparison),
+        }
+        for name, content in files.items():
+            write_file(self._directory / name, content)
+        facts = export.comparison_object(plan, comparison, scene)
+        written = [self._write_json("comparison.json", facts)]
+        written += [self._directory / name for name in files]
+        self._products.made("comparison", inputs, written)
+        return comparison
+
+    def _flown(self, plan: Plan, comparison: Comparison) -> FlightFacts | None:
+        """Facts of the flight on record, which are also written to flight.json.
+
+        None without a bag, and where the bag holds no flight, as after a dry run; that is told.
+        """
+        bags = flight_bags(self._directory)
+        if not bags:
+            return None
+        from jfto.analysis.facts import flight_facts
+        from jfto.analysis.flight_file import flight_facts_object
+
+        self._progress.begin("as flown", "reading the bag, holding it against the plan")
+        scenario = self._loaded.scenario
+        try:
+            facts = flight_facts(bags, plan, comparison, self._dem, scenario)
+        except JftoError as error:
+            self._progress.end("as flown", "nothing", str(error), good=False)
+            return None
+        self._write_json(FLIGHT_NAME, flight_facts_object(facts))
+        self._progress.end(
+            "as flown", f"{facts.visited}/{len(facts.passages)} waypoints", facts.in_words(),
+            good=facts.good,
+        )  # fmt: skip
+        return facts
+
+    def _draw(
+        self,
+        plan: Plan,
+        comparison: Comparison,
+        flight: FlightFacts | None,
+        inputs: str,
+    ) -> None:
+        """The plan's figures, where they are not kept, and those of the flight."""
+        kept = self._products.kept("figures", inputs)
+        if kept:
+            self._progress.end("figures", f"{len(kept) // 2} figures", _KEPT)
+            if flight is None:
+                return
+        from jfto.report.figures import draw, flight_drawings, plan_drawings
+
+        slot = self._loaded.scenario.evaluation.slot_shown
+        of_plan = {} if kept else plan_drawings(plan, comparison, self._dem, slot)
+        of_flight = {} if flight is None else flight_drawings(flight, self._dem)
+        folder = self._directory / FIGURES
+        files = draw({**of_plan, **of_flight}, folder, self._progress)
+        if of_plan:
+            self._products.made("figures", inputs, files[: 2 * len(of_plan)])
+
+    def _page(self, run: Run, inputs: str) -> Path:
+        path = self._directory / REPORT_NAME
+        if run.flight is None and self._products.kept("report", inputs):
+            self._progress.end("report", f"{path.stat().st_size / 1e6:.1f} MB", _KEPT)
+            return path
+        from jfto.report.page import ReportContent, report_page
+
+        assert run.comparison is not None
+        self._progress.begin("report", "writing")
+        scenario = self._loaded.scenario
+        figures = sorted((self._directory / FIGURES).glob("*.png"))
+        content = ReportContent(
+            plan=run.plan,
+            comparison=run.comparison,
+            dem=self._dem,
+            scene=scenario.evaluation.paper_scene,
+            wind_mps=scenario.trajectory.wind_mps,
+            figures={figure.stem: figure.read_bytes() for figure in figures},
+            coverage=self._coverage(),
+            configuration=self._configuration,
+            flight=run.flight,
+        )
+        write_file(path, report_page(content))
+        if run.flight is None:
+            self._products.made("report", inputs, [path])
+        self._progress.end(
+            "report", f"{path.stat().st_size / 1e6:.1f} MB", "one file, works offline"
+        )
+        return path
+
+    @cached_property
+    def _given(self) -> list[Path]:
+        """Files that the scenario names."""
+        scenario, given = self._loaded.scenario, []
+        if scenario.terrain.source != BUILT_IN_DEM:
+            given.append(self._loaded.resolve(scenario.terrain.source))
+        if scenario.waypoints.file:
+            given.append(self._loaded.resolve(scenario.waypoints.file))
+        return given
+
+    @cached_property
+    def _configuration(self) -> str:
+        path = self._directory / SCENARIO_NAME
+        return read_text(path, InputError, "scenario", _SIZE_LIMIT)
+
+    @cached_property
+    def _dem(self) -> Dem:
+        return load_ground(self._loaded)
+
+    def _coverage(self) -> Mapping[str, Any] | None:
+        """Coverage figures of the run; None where its waypoints were not computed."""
+        path = self._directory / COVERAGE_NAME
+        if not path.exists():
+            return None
+        try:
+            found = json.loads(read_text(path, InputError, "coverage", _SIZE_LIMIT))
+        except json.JSONDecodeError as error:
+            raise InputError(
+                f"{path}: is not valid JSON: {error.msg}. Delete it, or run the scenario again."
+            ) from None
+        assert isinstance(found, dict)
+        return found
+
+    def _write_json(self, name: str, facts: object) -> Path:
+        path = self._directory / name
+        write_file(path, json.dumps(facts, indent=1) + "\n")
+        return path
 
 
 def _require_fit(plan: Plan, loaded: LoadedScenario, file: Path) -> None:
@@ -90,70 +334,3 @@ def _require_fit(plan: Plan, loaded: LoadedScenario, file: Path) -> None:
             f"{file} has {plan.slots.count} slots, mission.slot_count in {loaded.path} is "
             f"{scenario.mission.slot_count}. Make them agree."
         )
-
-
-def _plan(loaded: LoadedScenario, directory: Path, watcher: Watcher) -> tuple[Run, Dem]:
-    write_scenario(loaded, directory / SCENARIO_NAME)
-    found = survey(loaded, watcher)
-    if found.coverage is not None:
-        write_file(
-            directory / COVERAGE_NAME, json.dumps(coverage_object(found.coverage), indent=1) + "\n"
-        )
-    planned = plan_routes(loaded.scenario, found, watcher)
-    path = save_plan(planned.plan, directory / PLAN_NAME)
-    return Run(planned.plan, path, None, None, interrupted=planned.interrupted), found.dem
-
-
-def rebuild(directory: Path, watcher: Watcher) -> Run:
-    """Comparison, figures and report anew from scenario, plan and bag of a run directory."""
-    if not directory.is_dir():
-        raise InputError(f"{directory}: is no directory. Name the directory of a run.")
-    if not (directory / SCENARIO_NAME).exists():
-        raise InputError(
-            f"{directory}: holds no {SCENARIO_NAME}, so it is not the directory of a run. "
-            "Make one with jfto run SCENARIO."
-        )
-    loaded = load_scenario(directory / SCENARIO_NAME)
-    path = directory / PLAN_NAME
-    if not path.exists() and (directory / INFEASIBLE_NAME).exists():
-        path = directory / INFEASIBLE_NAME
-    plan = read_plan(path)
-    dem = load_ground(loaded)
-    run = Run(plan, path, None, None, interrupted=False)
-    return _conclude(run, loaded, directory, dem, watcher)
-
-
-def save_plan(plan: Plan, path: Path) -> Path:
-    """Write a clean plan to `path`, another one beside it as .infeasible.json; returns where.
-
-    A clean plan that already lies at `path` is never replaced by an infeasible one.
-    """
-    if not is_clean(plan):
-        path = path.with_name(f"{path.stem}.infeasible.json")
-    write_plan(plan, path)
-    return path
-
-
-def write_comparison(plan: Plan, comparison: Comparison, scene: str, directory: Path) -> None:
-    """Write comparison.json, comparison.csv and slots.csv."""
-    facts = comparison_object(plan, comparison, scene)
-    write_file(directory / "comparison.json", json.dumps(facts, indent=1) + "\n")
-    write_file(directory / "comparison.csv", comparison_csv([(scene, comparison)]))
-    write_file(directory / "slots.csv", slots_csv(plan, comparison))
-
-
-def _conclude(run: Run, loaded: LoadedScenario, directory: Path, dem: Dem, watcher: Watcher) -> Run:
-    """What comes after the plan, and after the flight where one is on record."""
-    evaluation, plan = loaded.scenario.evaluation, run.plan
-    comparison = compare(plan, evaluation.n_dc, watcher)
-    write_comparison(plan, comparison, evaluation.paper_scene, directory)
-    flight = fly_again(directory, loaded, plan, comparison, dem, watcher)
-    draw_figures(plan, comparison, dem, evaluation.slot_shown, directory / FIGURES, watcher)
-    if flight is not None:
-        draw_flight(flight, dem, directory / FIGURES)
-    title = f"{len(plan.uavs)} UAVs over {len(plan.waypoints)} waypoints"
-    wind_mps = loaded.scenario.trajectory.wind_mps
-    report = write_report(
-        directory, title, plan, comparison, dem, evaluation.paper_scene, wind_mps, watcher, flight
-    )
-    return replace(run, comparison=comparison, report=report, flight=flight)

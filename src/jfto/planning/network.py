@@ -1,4 +1,4 @@
-"""The radio side of a plan: arrays that topology and power work on."""
+"""The network of a plan: the arrays that topology and power work on, and both of them solved."""
 
 from __future__ import annotations
 
@@ -12,6 +12,9 @@ from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.radio import Radio
 from jfto_msgs_py.types import Array
 from jfto_msgs_py.units import dbm_to_w
+from jfto_power.allocation import Allocation, allocate, allocate_prefix
+from jfto_power.shortage import EnergyShortage
+from jfto_topology.ctop import Topology, ctop
 from jfto_topology.energy_floor import energy_floor
 from jfto_world.radio import LogDistanceChannel, make_channel, pairwise_distances
 
@@ -48,6 +51,39 @@ def network_of(plan: Plan) -> Network:
         energy_j=np.array([uav.energy_j for uav in plan.uavs]),
         speed_mps=np.array([uav.speed_mps for uav in plan.uavs]),
     )
+
+
+def topology_of(plan: Plan, network: Network) -> Topology:
+    """Neighbours and power intervals of every slot by C-TOP; raises InputError."""
+    return ctop(
+        network.positions_m,
+        network.channel,
+        network.p_max_w,
+        network.sensitivity_w,
+        plan.k_min,
+        plan.delta,
+    )
+
+
+def power_of(plan: Plan, network: Network, topology: Topology) -> tuple[Allocation, str]:
+    """Best powers within the topology's intervals and the energy.
+
+    Where the energy does not last they are those of the longest prefix of slots that it does for,
+    and the second result says so; else it is empty.
+    """
+    problem = (
+        topology.adjacency,
+        network.gain,
+        topology.p_min_w,
+        topology.p_upper_w,
+        network.energy_j,
+        plan.slots.duration_s,
+        plan.radio,
+    )
+    try:
+        return allocate(*problem, names=tuple(uav.id for uav in plan.uavs)), ""
+    except EnergyShortage as shortage:
+        return allocate_prefix(*problem), str(shortage)
 
 
 def energy_floor_of(

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
-from jfto.console.progress import Watcher
-from jfto.planning.scenario_file import BUILT_IN_DEM, LoadedScenario
-from jfto_msgs_py.errors import TerrainError, WaypointError
+from jfto.console.progress import SILENT, Progress
+from jfto.planning.scenario_file import LoadedScenario
+from jfto.planning.terrain import load_ground
+from jfto_msgs_py.errors import WaypointError
 from jfto_msgs_py.plan import Waypoint
 from jfto_msgs_py.scenario.camera import CameraPart, CoveragePart
 from jfto_planner.coverage import (
@@ -20,7 +20,7 @@ from jfto_planner.coverage import (
     random_waypoints,
     read_waypoints,
 )
-from jfto_world.terrain import Dem, load_dem
+from jfto_world.terrain import Dem
 
 
 @dataclass(frozen=True)
@@ -32,39 +32,21 @@ class Survey:
     coverage: Coverage | None
 
 
-def load_ground(loaded: LoadedScenario) -> Dem:
-    """Elevation model of a scenario; raises TerrainError."""
-    terrain = loaded.scenario.terrain
-    source: str | Path = terrain.source
-    if source != BUILT_IN_DEM:
-        source = loaded.resolve(terrain.source)
-    center = (terrain.center_deg[0], terrain.center_deg[1]) if terrain.center_deg else None
-    try:
-        return load_dem(
-            source,
-            center=center,
-            size_m=(terrain.size_m[0], terrain.size_m[1]),
-            zero_is_void=terrain.zero_is_void,
-        )
-    except TerrainError as error:
-        raise TerrainError(f"{loaded.path}: terrain: {error}") from None
-
-
-def survey(loaded: LoadedScenario, watcher: Watcher) -> Survey:
+def survey(loaded: LoadedScenario, progress: Progress = SILENT) -> Survey:
     """Waypoints of a scenario over its ground; raises InputError or InfeasibleError."""
-    watcher.begin("coverage", "reading terrain")
+    progress.begin("coverage", "reading terrain")
     dem = load_ground(loaded)
     wanted = loaded.scenario.waypoints
     if wanted.source == "coverage":
-        watcher.begin("coverage", "placing cameras, casting rays")
+        progress.begin("coverage", "placing cameras, casting rays")
         coverage = plan_coverage(
             dem,
             make_camera(loaded.scenario.camera, loaded.scenario.coverage),
             make_settings(loaded.scenario.coverage),
-            progress=watcher.advance,
+            progress=progress.advance,
         )
         found = Survey(dem, coverage.waypoints, coverage)
-        watcher.end("coverage", f"{len(found.waypoints)} waypoints", _proof(coverage))
+        progress.end("coverage", f"{len(found.waypoints)} waypoints", _proof(coverage))
         return found
     if wanted.source == "file":
         try:
@@ -76,7 +58,7 @@ def survey(loaded: LoadedScenario, watcher: Watcher) -> Survey:
         rng = np.random.default_rng(wanted.seed)
         waypoints = random_waypoints(wanted.source, wanted.count, dem, wanted.height_m, rng)
         origin = f"{wanted.source} distribution, seed {wanted.seed}"
-    watcher.end("coverage", f"{len(waypoints)} waypoints", origin)
+    progress.end("coverage", f"{len(waypoints)} waypoints", origin)
     return Survey(dem, waypoints, None)
 
 

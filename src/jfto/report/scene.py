@@ -5,16 +5,16 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto.analysis.comparison import Comparison
 from jfto.analysis.facts import FlightFacts
 from jfto.analysis.grid import FINER
-from jfto.analysis.motion import flown
+from jfto.analysis.motion import motions
 from jfto.analysis.record import Track
-from jfto.report.figures.relief import drawn_extent, sampled_ground
+from jfto.report.figures.map import drawn_extent, sampled_ground
 from jfto.report.palette import uav_colour
 from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.types import Array, Flags
 from jfto_msgs_py.units import dbm_to_w, ratio_to_db
 from jfto_world.terrain import Dem
 
@@ -35,7 +35,6 @@ def scene_data(
     """
     x, y, z = sampled_ground(dem, drawn_extent(dem, plan.positions_m), _GROUND_POINTS)
     sensitivity_w = float(dbm_to_w(plan.radio.sensitivity_dbm))
-    by_id = {waypoint.id: waypoint.position_m for waypoint in plan.waypoints}
     return {
         "terrain": {"x": _short(x), "y": _short(y), "z": _short(z)},
         "duration": plan.slots.duration_s,
@@ -43,15 +42,13 @@ def scene_data(
             {
                 "id": uav.id,
                 "color": uav_colour(index),
-                "route": _short(
-                    np.array([uav.start_m, *(by_id[number] for number in route.waypoint_ids)])
-                ),
+                "route": _short(plan.line_m(index)),
                 "path": _short(flight.position_m[::_PATH_STEPS]),
                 "waypoints": list(route.waypoint_ids),
                 "arrival": _short(np.array(route.arrival_s)),
             }
             for index, (uav, route, flight) in enumerate(
-                zip(plan.uavs, plan.routes, flown(plan), strict=True)
+                zip(plan.uavs, plan.routes, motions(plan), strict=True)
             )
         ],
         "positions": _short(np.moveaxis(plan.positions_m, 0, 1)),
@@ -91,9 +88,7 @@ def _track(track: Track) -> Any:
     return _short(track.at(times))
 
 
-def _links(
-    links: NDArray[np.bool_], power_w: NDArray[np.float64], gain: NDArray[np.float64]
-) -> list[list[list[float]]]:
+def _links(links: Flags, power_w: Array, gain: Array) -> list[list[list[float]]]:
     """For each slot its links as [a, b, margin in dB]; `gain` is over the sensitivity."""
     weaker = np.minimum(power_w[:, :, None], power_w[:, None, :])
     margin = ratio_to_db(weaker * gain)
@@ -109,7 +104,7 @@ def _links(
     return slots
 
 
-def _short(values: NDArray[np.float64]) -> Any:
+def _short(values: Array) -> Any:
     """Nested lists to a decimetre: a report is looked at, not computed with. Unknown is null."""
     rounded = np.round(values, 1)
     if np.isfinite(rounded).all():

@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from jfto.analysis.flight_spread import flight_spread, spread_text
-from jfto.analysis.motion import flown
+from jfto.analysis.motion import flight_spread, motions, spread_text
 from jfto.pipeline.run import Run
 from jfto_msgs_py.plan import Plan
 
@@ -17,7 +16,7 @@ def test_flights_are_where_the_plan_says(tiny_run: tuple[Path, Run], tiny_guided
     """At each arrival a UAV is at its waypoint, or within the radius at which corners are cut."""
     for plan, radius_m in ((tiny_run[1].plan, 2.5), (tiny_guided, 0.5)):
         where = {waypoint.id: waypoint.position_m for waypoint in plan.waypoints}
-        for flight, route in zip(flown(plan), plan.routes, strict=True):
+        for flight, route in zip(motions(plan), plan.routes, strict=True):
             for number, time in zip(route.waypoint_ids, route.arrival_s, strict=True):
                 k = int(np.argmin(np.abs(flight.times_s - time)))
                 assert np.linalg.norm(flight.position_m[k] - where[number]) < radius_m
@@ -25,7 +24,7 @@ def test_flights_are_where_the_plan_says(tiny_run: tuple[Path, Run], tiny_guided
 
 def test_guided_flights_keep_their_limits(tiny_guided: Plan) -> None:
     """Sampled jerk never exceeds what the plan was made with."""
-    for flight in flown(tiny_guided):
+    for flight in motions(tiny_guided):
         assert flight.jerk_mps3 is not None
         assert flight.jerk_mps3.max() <= tiny_guided.time_parameters["jerk_mps3"]
 

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 
-from jfto.console.progress import SilentWatcher
 from jfto.pipeline.directory import make_run_directory
 from jfto.pipeline.run import Run, rebuild, run_all, save_plan
 from jfto.planning.routes import plan_routes
@@ -44,7 +43,7 @@ def test_same_scenario_and_seed_give_the_same_bytes(
     first, _ = tiny_run
     second = make_run_directory(tmp_path / "again")
     loaded = load_scenario(tiny, ["search.workers=1"])
-    run_all(loaded, second, SilentWatcher())
+    run_all(loaded, second)
     for name in ("plan.json", "comparison.json", "slots.csv", "figures/routes.png"):
         assert (first / name).read_bytes() == (second / name).read_bytes(), name
 
@@ -52,7 +51,7 @@ def test_same_scenario_and_seed_give_the_same_bytes(
 def test_another_seed_is_recorded_in_the_plan(tiny: Path) -> None:
     """The seed goes into the plan, and does not change the hash of the scenario."""
     loaded = load_scenario(tiny, ["search.seed=7"])
-    plan = plan_routes(loaded.scenario, survey(loaded, SilentWatcher()), SilentWatcher()).plan
+    plan = plan_routes(loaded.scenario, survey(loaded)).plan
     assert plan.seed == 7
     assert plan.scenario_hash == load_scenario(tiny).scenario.scenario_hash()
 
@@ -71,7 +70,7 @@ def test_a_report_is_rebuilt_from_its_directory(tiny_run: tuple[Path, Run]) -> N
     directory, _ = tiny_run
     before = (directory / "report.html").read_bytes()
     (directory / "report.html").unlink()
-    outcome = rebuild(directory, SilentWatcher())
+    outcome = rebuild(directory)
     assert outcome.report is not None
     assert outcome.report.read_bytes() == before
 

@@ -11,7 +11,8 @@ import pytest
 
 from jfto.pipeline.run import Run
 from jfto.planning.flight import flight_of, tightened
-from jfto.planning.routes import certify_plan, routing_problem
+from jfto.planning.problem import routing_problem
+from jfto.planning.routes import certify_plan
 from jfto.planning.scenario_file import load_scenario
 from jfto.planning.survey import Survey
 from jfto_msgs_py.errors import PlanError

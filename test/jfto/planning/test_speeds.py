@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from jfto.console.progress import SilentWatcher
 from jfto.planning.flight import flight_of
 from jfto.planning.routes import plan_routes
 from jfto.planning.scenario_file import load_scenario
@@ -121,7 +120,7 @@ def test_what_leaves_no_speed_is_refused(tiny: Path, overrides: tuple[str, ...],
 def test_a_plan_carries_the_capped_speeds(tiny: Path, tiny_survey: Survey) -> None:
     """The mission's speed, its times and what is uploaded are one: the plan's UAVs say it."""
     scenario = _scenario(tiny, "trajectory.photo_speed_mps=4.5")
-    plan = plan_routes(scenario, tiny_survey, SilentWatcher()).plan
+    plan = plan_routes(scenario, tiny_survey).plan
     speeds = {(uav.speed_mps, uav.climb_mps, uav.descent_mps) for uav in plan.uavs}
     assert max(math.hypot(v, max(up, down)) for v, up, down in speeds) <= 4.5 + 1e-6
     assert plan.certificate is not None

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from jfto.console.progress import SilentWatcher
-from jfto.pipeline.flight import flight_bags
+from jfto.console.progress import Progress
+from jfto.pipeline.directory import flight_bags
 from jfto.pipeline.run import Run, rebuild
 from jfto_msgs_py.ros.events import WARN, Event
 from support.fleets import START_NS
@@ -37,7 +37,7 @@ def flown_run(
     text = "uav4 <silent> since 70 s: its neighbours keep the link"
     bag.event(Event(START_NS + 72 * 10**9, WARN, "mavlink_bridge", "link", "uav4", text))
     bag.close()
-    return directory, rebuild(directory, SilentWatcher())
+    return directory, rebuild(directory)
 
 
 def test_the_page_tells_of_the_flight(flown_run: tuple[Path, Run]) -> None:
@@ -87,7 +87,7 @@ def test_a_rebuilt_report_has_the_same_facts(flown_run: tuple[Path, Run]) -> Non
     directory, _ = flown_run
     before = (directory / "flight.json").read_bytes()
     (directory / "flight.json").unlink()
-    assert rebuild(directory, SilentWatcher()).flight is not None
+    assert rebuild(directory).flight is not None
     assert (directory / "flight.json").read_bytes() == before
 
 
@@ -110,11 +110,11 @@ def test_a_bag_without_a_flight_leaves_the_desk_report(
     bag.close()
     said: list[str] = []
 
-    class Watcher(SilentWatcher):
+    class Told(Progress):
         def end(self, stage: str, result: str, detail: str, *, good: bool = True) -> None:
             said.append(f"{stage} {result} {detail} {good}")
 
-    outcome = rebuild(tmp_path, Watcher())
+    outcome = rebuild(tmp_path, Told())
     assert outcome.flight is None
     assert outcome.report is not None
     assert any("nobody left the ground" in line and "False" in line for line in said)

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import wraps
 from pathlib import Path
-from typing import Any
+from typing import Any, ParamSpec
 
 import matplotlib as mpl
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from jfto.report.palette import UAV_COLOURS
+
+P = ParamSpec("P")
 
 UAV_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 UAV_DASHES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)))
@@ -65,19 +70,25 @@ def new_figure(width_in: float, height_in: float, **options: Any) -> Figure:
         return Figure(figsize=(width_in, height_in), **options)
 
 
-def styled(function: Any) -> Any:
+def styled(function: Callable[P, Figure]) -> Callable[P, Figure]:
     """Draw inside the common style: matplotlib reads its settings when artists are made."""
 
-    def wrapped(*args: Any, **kwargs: Any) -> Figure:
+    @wraps(function)
+    def wrapped(*args: P.args, **kwargs: P.kwargs) -> Figure:
         with mpl.rc_context(_SETTINGS):
             return function(*args, **kwargs)
 
-    wrapped.__doc__ = function.__doc__
-    wrapped.__name__ = function.__name__
     return wrapped
 
 
-def save(figure: Figure, path: Path) -> None:
+def rule(axes: Axes) -> None:
+    """Thin lines across a panel, to read values by."""
+    axes.grid(axis="y", linewidth=0.4, color="#dddddd")
+
+
+def save(figure: Figure, path: Path) -> tuple[Path, Path]:
     """Write `path`.png for the screen and `path`.pdf for print, the same bytes each time."""
-    figure.savefig(path.with_suffix(".png"), dpi=220, metadata={"Software": None})
-    figure.savefig(path.with_suffix(".pdf"), metadata={"CreationDate": None})
+    png, pdf = path.with_suffix(".png"), path.with_suffix(".pdf")
+    figure.savefig(png, dpi=220, metadata={"Software": None})
+    figure.savefig(pdf, metadata={"CreationDate": None})
+    return png, pdf

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from jfto.analysis.comparison import AlgorithmResult, Comparison
-from jfto.report.figures.relief import draw_north_arrow, draw_relief, draw_scale_bar, drawn_extent
+from jfto.report.figures.map import draw_north_arrow, draw_relief, draw_scale_bar, drawn_extent
 from jfto.report.figures.style import (
     PAGE_WIDTH_IN,
     new_figure,

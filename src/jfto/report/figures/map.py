@@ -1,13 +1,16 @@
-"""Shaded relief under maps, with scale bar and north arrow."""
+"""What all maps share: shaded relief, axes, pads, scale bar and north arrow."""
 
 from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.transforms import ScaledTranslation, Transform
 
+from jfto.report.figures.style import PAGE_WIDTH_IN, new_figure
+from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.types import Array
 from jfto_world.terrain import Dem
 
@@ -15,6 +18,48 @@ from jfto_world.terrain import Dem
 _PALE = LinearSegmentedColormap.from_list("relief", ["#cfdcc6", "#e9e3cf", "#f1e9dc", "#e4dcd4"])
 _PIXELS = 400
 _NICE = np.array([1.0, 2.0, 5.0])
+
+
+def new_map(plan: Plan, dem: Dem, fade: float = 0.0) -> tuple[Figure, Axes]:
+    """Hillshade of the area with all waypoints and pads; `fade` 0 … 1 pales it."""
+    points = np.array([w.position_m for w in plan.waypoints] + [u.start_m for u in plan.uavs])
+    extent = drawn_extent(dem, points)
+    ratio = extent[1] / extent[0]
+    figure = new_figure(PAGE_WIDTH_IN, min(8.5, 0.59 * PAGE_WIDTH_IN * ratio + 0.5))
+    axes = figure.add_subplot()
+    draw_relief(axes, dem, extent, fade)
+    axes.set_xlabel("East of origin (m)")
+    axes.set_ylabel("North of origin (m)")
+    return figure, axes
+
+
+def draw_pad(axes: Axes, start_m: tuple[float, float, float], colour: str) -> None:
+    """A pad in its UAV's colour."""
+    axes.plot(
+        *start_m[:2],
+        marker="s",
+        markersize=7,
+        markerfacecolor="white",
+        markeredgecolor=colour,
+        markeredgewidth=1.6,
+        zorder=6,
+    )
+
+
+def finish_map(axes: Axes, title: str | None = None) -> None:
+    """Scale, north and the legend, which explains pads too; to be called last."""
+    axes.plot(
+        [], [], "s", markersize=6, markerfacecolor="white", markeredgecolor="black", label="pad"
+    )
+    draw_scale_bar(axes)
+    draw_north_arrow(axes, outside=True)
+    axes.legend(
+        loc="upper left",
+        bbox_to_anchor=(1.02, 1.0),
+        borderaxespad=0.0,
+        title=title,
+        alignment="left",
+    )
 
 
 def sampled_ground(dem: Dem, half_extent_m: tuple[float, float], pixels: int) -> tuple[Array, ...]:

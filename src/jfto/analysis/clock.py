@@ -1,15 +1,25 @@
-"""From the recorder's clock to the vehicles', which runs faster in a simulation."""
+"""When things happened: the vehicles' time of what was recorded, and when their flight began."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from jfto.analysis.motion import motions
+from jfto_msgs_py.plan import Plan
+
+# This far above its pad a UAV has surely left it, whatever the noise.
+_UP_M = 2.0
+
+Sample = tuple[int, tuple[float, float, float]]
+
 
 class TimeMap:
-    """Learned from messages that carry a stamp: when each was received, and what it says.
+    """From the recorder's clock to the vehicles', which runs faster in a simulation.
+
+    Learned from messages that carry a stamp: when each was received, and what it says.
 
     Both are ns since the epoch. What has no stamp of its own was sent when it was received, less
     a delay that all messages share.
@@ -40,3 +50,24 @@ class TimeMap:
         before = np.minimum(at, 0.0) * self._pace
         after = np.maximum(at - self._received[-1], 0.0) * self._pace
         return np.asarray(self._origin[1] + np.rint(inside + before + after).astype(np.int64))
+
+
+def seen_lift_off_ns(poses: Mapping[str, Sequence[Sample]], plan: Plan) -> int | None:
+    """Time zero of the plan by the middle one of all UAVs, None where none was seen to climb.
+
+    `poses` are (stamp in ns since the epoch, ENU metres). Each UAV's climb is held against the
+    planned one.
+    """
+    found = []
+    for uav, motion in zip(plan.uavs, motions(plan), strict=True):
+        samples = sorted(poses.get(uav.id, []))
+        heights = np.array([place[2] for _, place in samples])
+        planned = motion.position_m[:, 2] - motion.position_m[0, 2]
+        if not heights.size or heights[0] - uav.start_m[2] > _UP_M or planned.max() < _UP_M:
+            # The record begins in the air.
+            continue
+        up = heights - heights[0] >= _UP_M
+        if up.any():
+            planned_s = float(motion.times_s[np.argmax(planned >= _UP_M)])
+            found.append(samples[int(np.argmax(up))][0] - round(planned_s * 1e9))
+    return int(np.median(found)) if found else None

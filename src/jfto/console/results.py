@@ -1,0 +1,175 @@
+"""Tables and lines that commands print as their result."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+from rich.console import Console
+from rich.table import Table
+
+from jfto.analysis.comparison import OURS, Comparison
+from jfto.analysis.export import certificate_object, comparison_object
+from jfto.analysis.paper import HEADINGS, active_text, beside_paper, ratios_text
+from jfto.cli.failure import EXIT_INTERRUPTED, EXIT_OTHER
+from jfto.console.progress import Progress
+from jfto.pipeline.directory import FLIGHT_NAME, flight_bags
+from jfto.pipeline.run import Run
+from jfto.planning.cures import cures
+from jfto.planning.scenario_file import LoadedScenario
+from jfto_msgs_py.plan import Plan
+
+if TYPE_CHECKING:
+    from jfto.conduct.flight_job import FlightEnd, FlightJob
+
+_SHOWN_VIOLATIONS = 8
+
+
+def print_json(facts: dict[str, Any]) -> None:
+    """One JSON object on standard output."""
+    click.echo(json.dumps(facts, indent=1))
+
+
+def plan_facts(plan: Plan, path: str) -> dict[str, Any]:
+    """What a program wants to know of a plan."""
+    assert plan.certificate is not None
+    return {
+        "plan": path,
+        "scenario_hash": plan.scenario_hash,
+        "seed": plan.seed,
+        "uavs": len(plan.uavs),
+        "waypoints": len(plan.waypoints),
+        "length_m": plan.total_length_m,
+        "horizon_s": plan.slots.horizon_s,
+        "certificate": certificate_object(plan.certificate),
+        "cures": list(cures(plan)),
+    }
+
+
+def print_infeasible(plan: Plan, path: str) -> None:
+    """Say on standard error what is violated, what would help, and where the plan lies."""
+    certificate = plan.certificate
+    assert certificate is not None
+    violations = certificate.violations
+    first = violations[0].message if violations else "the certificate is not clean."
+    click.echo(f"Infeasible: {first}", err=True)
+    for violation in violations[1:_SHOWN_VIOLATIONS]:
+        click.echo(f"  also: {violation.message}", err=True)
+    if len(violations) > _SHOWN_VIOLATIONS:
+        click.echo(f"  and {len(violations) - _SHOWN_VIOLATIONS} more violations", err=True)
+    click.echo(f"  would help: {' · or '.join(cures(plan))}", err=True)
+    click.echo(
+        f"Closest plan kept: {path} ({certificate.slot_violations} of {certificate.slot_checks} "
+        "slot checks violated, listed inside)",
+        err=True,
+    )
+
+
+def comparison_table(rows: list[tuple[str, Comparison]]) -> Table:
+    """Ours beside the paper's for any number of scenes."""
+    table = Table(title="Ours, and in brackets the paper's figures", title_justify="left")
+    table.add_column("Scene")
+    table.add_column("Algorithm")
+    for heading in (*HEADINGS, "Neighbours"):
+        table.add_column(heading, justify="right")
+    for scene, comparison in rows:
+        for index, result in enumerate(comparison.results):
+            cells = [
+                f"{mine} ({theirs})" if theirs else mine
+                for mine, theirs in beside_paper(result, scene)
+            ]
+            name = f"[bold]{result.name}[/bold]" if result.name == OURS else result.name
+            table.add_row(
+                scene if index == 0 else "",
+                name,
+                *cells,
+                f"{result.degree.min()}–{result.degree.max()}",
+                end_section=result.name == OURS,
+            )
+    return table
+
+
+def print_comparison(rows: list[tuple[str, Comparison]]) -> None:
+    """The table and C-TOP's throughput ratios on standard output."""
+    console = Console(highlight=False)
+    if not console.is_terminal:
+        console.width = 110
+    console.soft_wrap = True
+    console.print(comparison_table(rows))
+    for scene, comparison in rows:
+        ratios = ratios_text(comparison, scene)
+        console.print(f"{scene}: C-TOP's throughput is {ratios}", markup=False)
+        console.print(f"{scene}: {active_text(comparison)}", markup=False)
+        for note in comparison.notes:
+            console.print(f"{scene}: {note}", markup=False)
+
+
+def say_flight(plan: Plan, job: FlightJob, end: FlightEnd, progress: Progress) -> None:
+    """How the flight went and what was recorded of it."""
+    from jfto.conduct.outcome import Ending
+
+    parts = ["all landed" if end.outcome.ending == Ending.LANDED else end.outcome.text]
+    if end.speedup is not None and job.simulated:
+        parts.append(f"{end.speedup:.1f} × real time ({job.settings.speedup:g} asked)")
+    if end.deaths:
+        parts.append(f"{len(end.deaths)} processes died")
+    good = end.outcome.good
+    progress.end("flight", f"{len(plan.uavs)} vehicles", ", ".join(parts), good=good)
+    for path in flight_bags(job.directory):
+        _say_bag(path, progress)
+
+
+def _say_bag(path: Path, progress: Progress) -> None:
+    from jfto.bag.errors import BagError
+    from jfto.bag.reader import Bag
+
+    size = sum(file.stat().st_size for file in path.rglob("*") if file.is_file())
+    try:
+        topics = len(Bag(path).facts.topics)
+    except BagError as error:
+        progress.end("record", str(path), str(error), good=False)
+        return
+    progress.end("record", f"{size / 1e6:.1f} MB", f"{topics} topics in {path}")
+
+
+def print_run(loaded: LoadedScenario, run: Run, end: FlightEnd | None, *, as_json: bool) -> None:
+    """The comparison at the desk, what is infeasible, and where the report lies."""
+    assert run.comparison is not None
+    scene = loaded.scenario.evaluation.paper_scene
+    if as_json:
+        facts = plan_facts(run.plan, str(run.plan_path))
+        facts["comparison"] = comparison_object(run.plan, run.comparison, scene)
+        facts["flight"] = None if end is None else _flight_facts(run, end)
+        facts["report"] = str(run.report)
+        print_json(facts)
+        return
+    print_comparison([("this scene" if scene == "none" else scene, run.comparison)])
+    if not run.plan.clean:
+        print_infeasible(run.plan, str(run.plan_path))
+    click.echo(f"Report      {run.report}")
+
+
+def _flight_facts(run: Run, end: FlightEnd) -> dict[str, Any]:
+    facts = run.flight
+    return {
+        "ended": end.outcome.ending.value,
+        "text": end.outcome.text,
+        "started": end.outcome.flown,
+        "interrupted": end.outcome.interrupted,
+        "good": end.outcome.good and (facts is None or facts.good),
+        "speedup": None if end.speedup is None else round(end.speedup, 2),
+        "processes_died": [{"name": each.name, "how": each.how} for each in end.deaths],
+        "facts": None if facts is None else str(run.plan_path.parent / FLIGHT_NAME),
+    }
+
+
+def run_status(run: Run, end: FlightEnd | None) -> int:
+    """Exit status of a feasible run."""
+    if end is None:
+        return 0
+    if end.outcome.interrupted:
+        return EXIT_INTERRUPTED
+    flown_well = run.flight is None or run.flight.good
+    return 0 if end.outcome.good and flown_well else EXIT_OTHER

@@ -1,0 +1,94 @@
+"""What lies in a run directory, and whether it still is what would be made anew."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+
+import jfto
+from jfto_msgs_py.write_file import write_file
+
+MADE_NAME = "made.json"
+# Other versions of these may draw or compute otherwise.
+_LIBRARIES = ("numpy", "scipy", "numba", "matplotlib", "plotly")
+
+
+@dataclass(frozen=True)
+class _Made:
+    inputs: str
+    files: dict[str, str]
+
+
+class Products:
+    """Knows of each product of a directory from what it was made, and which files it came to.
+
+    That is written to made.json. With `anew` nothing is kept.
+    """
+
+    def __init__(self, directory: Path, *, anew: bool = False) -> None:
+        self._directory, self._anew = directory, anew
+        self._made = _read(directory / MADE_NAME)
+
+    def kept(self, product: str, inputs: str) -> tuple[Path, ...]:
+        """Files of a product that was made of inputs with this digest.
+
+        None where it has to be made: also where a file is gone, or somebody has changed it.
+        """
+        made = self._made.get(product)
+        if self._anew or made is None or made.inputs != inputs:
+            return ()
+        files = {self._directory / name: had for name, had in made.files.items()}
+        return tuple(files) if all(_of_file(one) == had for one, had in files.items()) else ()
+
+    def made(self, product: str, inputs: str, files: Iterable[Path]) -> None:
+        """Remember that the product was made of inputs with this digest and lies in these files."""
+        names = {str(path.relative_to(self._directory)): _of_file(path) for path in files}
+        self._made[product] = _Made(inputs, names)
+        text = json.dumps({name: vars(made) for name, made in self._made.items()}, indent=1)
+        write_file(self._directory / MADE_NAME, text + "\n")
+
+
+def digest(inputs: Iterable[str | bytes | Path]) -> str:
+    """SHA-256 of texts and of files' contents, and of the program that makes something of them."""
+    sum_ = hashlib.sha256(_program().encode())
+    for one in inputs:
+        part = _of_file(one) if isinstance(one, Path) else one
+        part = part.encode() if isinstance(part, str) else part
+        # With their lengths, so that no two lists of inputs look alike.
+        sum_.update(f"{len(part)}:".encode() + part)
+    return sum_.hexdigest()
+
+
+def _of_file(path: Path) -> str:
+    try:
+        return hashlib.sha256(path.read_bytes()).hexdigest()
+    except OSError:
+        return "absent"
+
+
+@cache
+def _program() -> str:
+    """Digest of our code, weights and templates, and versions of libraries."""
+    sum_ = hashlib.sha256()
+    root = Path(jfto.__file__).parents[1]
+    for path in sorted(root.glob("jfto*/**/*")):
+        if path.is_file() and "__pycache__" not in path.parts:
+            sum_.update(f"{path.relative_to(root)}:{_of_file(path)}\n".encode())
+    sum_.update(json.dumps([metadata.version(library) for library in _LIBRARIES]).encode())
+    return sum_.hexdigest()
+
+
+def _read(path: Path) -> dict[str, _Made]:
+    """What is remembered; nothing where there is no such file, or somebody damaged it."""
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+        return {
+            name: _Made(str(made["inputs"]), dict(made["files"])) for name, made in found.items()
+        }
+    except (OSError, ValueError, TypeError, KeyError, AttributeError):
+        return {}

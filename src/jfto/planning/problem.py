@@ -1,0 +1,123 @@
+"""A scenario over its ground as the search takes it: pads, limits, reach and legs."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jfto.planning.flight import flight_of
+from jfto.planning.network import energy_floor_of
+from jfto.planning.speeds import fleet_limits
+from jfto.planning.survey import Survey
+from jfto_msgs_py.plan import Uav, Vector
+from jfto_msgs_py.plan_file import rounded_record
+from jfto_msgs_py.scenario import Scenario
+from jfto_msgs_py.types import Array, Flags
+from jfto_msgs_py.units import dbm_to_w
+from jfto_planner.low_legs import low_legs
+from jfto_planner.routing import RoutingProblem
+from jfto_planner.routing.certificate_ground import GroundRule
+from jfto_planner.starts import check_starts, choose_starts, place_pads
+from jfto_world.motion import MotionLimits
+from jfto_world.radio import make_channel
+
+# Of the height of lift-off, what a first leg must keep above the ground until it is high enough.
+START_SHARE = 0.5
+
+
+def routing_problem(scenario: Scenario, found: Survey) -> RoutingProblem:
+    """The routing problem of a scenario; raises InfeasibleError where its starts cannot serve."""
+    fleet, mission, network = scenario.fleet, scenario.mission, scenario.network
+    radio = scenario.radio.record()
+    channel = make_channel(radio)
+    reach = channel.reach(
+        dbm_to_w(np.array(fleet.p_max_dbm)), float(dbm_to_w(radio.sensitivity_dbm))
+    )
+    waypoints = np.array([waypoint.position_m for waypoint in found.waypoints])
+    flight = flight_of(scenario)
+    pads = _pads(scenario, found, waypoints, reach)
+    if flight.estimated:
+        pads = np.array(rounded_record(pads))
+    check_starts(pads, reach, network.k_min, mission.d_min_m, fleet.ids)
+    return RoutingProblem(
+        waypoints_m=waypoints,
+        starts_m=pads,
+        limits=tuple(
+            MotionLimits(uav.speed_mps, uav.climb_mps, uav.descent_mps)
+            for uav in plan_uavs(scenario, pads)
+        ),
+        time_model=flight.model(),
+        t_max_s=np.array(fleet.t_max_s),
+        reach_m=reach,
+        k_min=network.k_min,
+        d_min_m=mission.d_min_m,
+        length_max_m=mission.length_max_m,
+        slot_count=mission.slot_count,
+        horizon_s=mission.horizon_s or None,
+        energy_j=np.array(fleet.energy_j),
+        energy_floor=energy_floor_of(radio, fleet.p_max_dbm, network.k_min, network.delta),
+        path_loss_exponent=channel.exponent,
+        closed_legs=_closed_legs(scenario, found, waypoints, pads),
+    )
+
+
+def ground_rule(scenario: Scenario, found: Survey) -> GroundRule | None:
+    """What height above ground the plan must keep; waypoints that are lower are let be."""
+    wanted = scenario.trajectory
+    if wanted.mode == "straight":
+        return None
+    waypoints = np.array([waypoint.position_m for waypoint in found.waypoints])
+    ground = found.dem.height(waypoints[:, 0], waypoints[:, 1])
+    clearance_m = min(wanted.clearance_m, float(np.min(waypoints[:, 2] - ground)))
+    start_m = wanted.takeoff_m if wanted.mode == "waypoints" else clearance_m
+    return GroundRule(found.dem.height, clearance_m, START_SHARE * min(start_m, clearance_m))
+
+
+def _closed_legs(scenario: Scenario, found: Survey, waypoints: Array, pads: Array) -> Flags | None:
+    """Legs of missions that pass too near the ground; curves get via points instead."""
+    rule = ground_rule(scenario, found)
+    if rule is None or scenario.trajectory.mode != "waypoints":
+        return None
+    above = pads + np.array([0.0, 0.0, scenario.trajectory.takeoff_m])
+    return low_legs(waypoints, above, rule.height, rule.clearance_m, rule.start_clearance_m)
+
+
+def _pads(scenario: Scenario, found: Survey, waypoints: Array, reach: Array) -> Array:
+    """Pad of each UAV (A, 3): on the given starting points in turn, or chosen."""
+    given = np.array(scenario.starts.positions_m).reshape(-1, 2)
+    d_min_m = scenario.mission.d_min_m
+    if len(given):
+        start_of = np.arange(scenario.fleet.count) % len(given)
+        return place_pads(given, start_of, d_min_m, found.dem.height)
+    return choose_starts(
+        waypoints,
+        min(scenario.starts.count, len(waypoints)),
+        reach,
+        scenario.network.k_min,
+        d_min_m,
+        found.dem.height,
+        # The instance must not change with the seed of the search.
+        np.random.default_rng(scenario.waypoints.seed),
+    )
+
+
+def plan_uavs(scenario: Scenario, pads_m: Array) -> tuple[Uav, ...]:
+    """Records of a fleet on its pads (A, 3)."""
+    fleet = scenario.fleet
+    return tuple(
+        Uav(
+            id=fleet.ids[uav],
+            p_max_dbm=fleet.p_max_dbm[uav],
+            energy_j=fleet.energy_j[uav],
+            t_max_s=fleet.t_max_s[uav],
+            # As in the plan file, since times follow from them.
+            speed_mps=rounded_record(limits.speed_mps),
+            climb_mps=rounded_record(limits.climb_mps),
+            descent_mps=rounded_record(limits.descent_mps),
+            start_m=_vector(pads_m[uav]),
+        )
+        for uav, limits in enumerate(fleet_limits(scenario))
+    )
+
+
+def _vector(point: Array) -> Vector:
+    return float(point[0]), float(point[1]), float(point[2])

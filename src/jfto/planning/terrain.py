@@ -1,0 +1,48 @@
+"""The ground of a scenario."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from jfto.planning.scenario_file import BUILT_IN_DEM, LoadedScenario
+from jfto_msgs_py.errors import TerrainError
+
+if TYPE_CHECKING:
+    from jfto_mavlink.mission.limits import Ground
+    from jfto_msgs_py.scenario import Scenario
+    from jfto_world.terrain import Dem
+
+
+def load_ground(loaded: LoadedScenario) -> Dem:
+    """Elevation model of a scenario; raises TerrainError."""
+    # Loaded here: most nodes never read a raster, and one that died must soon be back.
+    from jfto_world.terrain import load_dem
+
+    terrain = loaded.scenario.terrain
+    source: str | Path = terrain.source
+    if source != BUILT_IN_DEM:
+        source = loaded.resolve(terrain.source)
+    center = (terrain.center_deg[0], terrain.center_deg[1]) if terrain.center_deg else None
+    try:
+        return load_dem(
+            source,
+            center=center,
+            size_m=(terrain.size_m[0], terrain.size_m[1]),
+            zero_is_void=terrain.zero_is_void,
+        )
+    except TerrainError as error:
+        raise TerrainError(f"{loaded.path}: terrain: {error}") from None
+
+
+def dem_of(scenario: Scenario) -> Dem:
+    """Elevation model for a node, whose scenario's file names stand by themselves.
+
+    Raises TerrainError.
+    """
+    return load_ground(LoadedScenario(scenario, Path("parameters")))
+
+
+def ground_of(scenario: Scenario) -> Ground:
+    """Heights of a node's terrain; raises TerrainError."""
+    return dem_of(scenario).height
