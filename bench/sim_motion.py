@@ -19,7 +19,7 @@ from jfto_sim import Vehicle, VehicleConfig
 from jfto_sim.dialect import mavlink
 from jfto_sim.geodesy import move
 from jfto_sim.mission.items import Item
-from jfto_sim.modes.numbers import Mode
+from jfto_sim.modes.mode import Mode
 from support.pilot import Pilot
 
 HOME = (466_000_000, 85_000_000)

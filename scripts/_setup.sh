@@ -61,7 +61,7 @@ compile_kernels() {
         "$venv/bin/python" - <<'END'
 import numpy as np
 from jfto_msgs_py.vehicle import TimedTrajectory
-from jfto_sim.motion.warm_up import warm_up
+from jfto_sim.motion.waypoint_nav import warm_up
 from jfto_world.motion.route_progress import RouteProgress
 
 warm_up()

@@ -28,7 +28,7 @@ from jfto_msgs_py.ros.diagnostics import OK, WARN, Status
 from jfto_msgs_py.ros.graph_node import GraphNode
 from jfto_msgs_py.ros.opening import Opening
 from jfto_msgs_py.scenario import Scenario
-from jfto_sim.motion.warm_up import warm_up
+from jfto_sim.motion.waypoint_nav import warm_up
 from jfto_sim.server import ServerSettings, SimServer
 from jfto_world.terrain import Dem
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum
 
-from jfto_sim.params import Parameters
+from jfto_sim.parameters import Parameters
 
 FLYING_A, IDLE_ARMED_A = 28.5, 1.5
 

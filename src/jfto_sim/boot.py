@@ -5,12 +5,13 @@ Most of it goes only to ports on which something has been heard; origin and home
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
+from jfto_sim.clock import Clock
 from jfto_sim.dialect import INFO
-
-if TYPE_CHECKING:
-    from jfto_sim.vehicle import Vehicle
+from jfto_sim.parameter_protocol import ParameterProtocol
+from jfto_sim.ports import Ports
+from jfto_sim.position import Position
 
 _FIRST_COUNT = 1362
 
@@ -62,11 +63,32 @@ _STAT_FIRST_S, _STAT_EVERY_S = 30.281, 31.007
 
 
 class Boot:
-    """Plays the power-up list once the vehicle's clock passes each entry."""
+    """Plays the power-up list once the vehicle's clock passes each entry; then the statistics.
 
-    def __init__(self, vehicle: Vehicle) -> None:
-        self.vehicle = vehicle
-        first = vehicle.boots == 1
+    `boots` counts the power-ups up to this one, `elevation_m` is the height above sea level, and
+    `flight_time_s` tells the seconds in the air since power-up.
+    """
+
+    def __init__(
+        self,
+        clock: Clock,
+        ports: Ports,
+        parameters: ParameterProtocol,
+        position: Position,
+        *,
+        boots: int,
+        elevation_m: float,
+        flight_time_s: Callable[[], float],
+    ) -> None:
+        self._clock = clock
+        self._ports = ports
+        self._parameters = parameters
+        self._position = position
+        self._elevation_m = elevation_m
+        self._flight_time_s = flight_time_s
+        first = boots == 1
+        self._run_before_s = 0 if first else int(parameters.params["STAT_RUNTIME"])
+        self._told_flight_s = 0
         events: list[tuple[float, int, str]] = [(t, 0, text) for t, text in _TEXTS]
         for time_s, names, only_first, early in _PARAMETERS:
             if first or not only_first:
@@ -87,24 +109,24 @@ class Boot:
 
     def tick(self) -> None:
         """Say what is due."""
-        now = self.vehicle.time_s
+        now = self._clock.time_s
         while self._at < len(self._events) and self._events[self._at][0] <= now + 1e-9:
             _, kind, what = self._events[self._at]
             self._at += 1
             if kind == 0:
-                elevation = self.vehicle.config.home_alt_m
-                self.vehicle.text(INFO, what.format(elevation=elevation))
+                self._ports.text(INFO, what.format(elevation=self._elevation_m))
             elif kind == 3:
-                self.vehicle.announce_home(everywhere=True)
+                self._position.announce_home()
             else:
-                self.vehicle.tell_parameter(what, _FIRST_COUNT if kind == 1 else None)
+                self._parameters.tell(what, _FIRST_COUNT if kind == 1 else None)
         if now >= self._stat_s:
             self._stat_s += _STAT_EVERY_S
             self._statistics(now)
 
     def _statistics(self, now: float) -> None:
-        flown = self.vehicle.flight_time_s
-        if flown > 0 and self.vehicle.note_flight_time(flown):
-            self.vehicle.tell_parameter("STAT_FLTTIME")
-        self.vehicle.params.store("STAT_RUNTIME", self.vehicle.runtime_base_s + int(now))
-        self.vehicle.tell_parameter("STAT_RUNTIME")
+        flown_s = int(self._flight_time_s())
+        if flown_s != self._told_flight_s:
+            gained, self._told_flight_s = flown_s - self._told_flight_s, flown_s
+            total = self._parameters.params["STAT_FLTTIME"] + gained
+            self._parameters.tell_stored("STAT_FLTTIME", total)
+        self._parameters.tell_stored("STAT_RUNTIME", self._run_before_s + int(now))

@@ -3,29 +3,34 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
-from jfto_sim.dialect import mavlink
-
-if TYPE_CHECKING:
-    from jfto_sim.vehicle import Vehicle
+from jfto_sim.commands import Command, CommandHandler
+from jfto_sim.dialect import ACCEPTED, FAILED, UNSUPPORTED, mavlink
+from jfto_sim.flight import Flight
+from jfto_sim.ports import Ports
 
 
 class Camera:
-    """Exists only if CAM1_TYPE was set when the vehicle powered up."""
+    """Exists only if CAM1_TYPE was set when the vehicle powered up; its mount shows nothing."""
 
-    def __init__(self, vehicle: Vehicle) -> None:
-        self.vehicle = vehicle
-        self.present = vehicle.params["CAM1_TYPE"] != 0
-        self.count = 0
-        self.mount_pitch_deg = 0.0
+    def __init__(self, flight: Flight, ports: Ports) -> None:
+        self._flight = flight
+        self._ports = ports
+        self._present = flight.params["CAM1_TYPE"] != 0
+        self._count = 0
         self._spacing_m = 0.0
         self._last_m: tuple[float, float, float] | None = None
+        self.commands: dict[int, CommandHandler] = {
+            mavlink.MAV_CMD_DO_DIGICAM_CONTROL: self._do_shoot,
+            mavlink.MAV_CMD_IMAGE_START_CAPTURE: self._do_shoot,
+            mavlink.MAV_CMD_DO_SET_CAM_TRIGG_DIST: self._do_every,
+            mavlink.MAV_CMD_DO_MOUNT_CONTROL: self._do_mount,
+        }
 
     def every(self, spacing_m: float, *, at_once: bool) -> None:
         """A picture per distance flown; 0 stops."""
         self._spacing_m = max(0.0, spacing_m)
-        self._last_m = self.vehicle.body.position_m
+        self._last_m = self._flight.body.position_m
         if at_once and spacing_m > 0:
             self.shoot()
 
@@ -33,22 +38,35 @@ class Camera:
         """Trigger by distance."""
         if self._spacing_m <= 0 or self._last_m is None:
             return
-        here = self.vehicle.body.position_m
+        here = self._flight.body.position_m
         if math.dist(here[:2], self._last_m[:2]) >= self._spacing_m:
             self._last_m = here
             self.shoot()
 
     def shoot(self) -> None:
         """Take a picture, if there is a camera."""
-        if not self.present:
+        if not self._present:
             return
-        v = self.vehicle
-        self.count += 1
-        lat, lon, alt_m = v.reported_position()
-        roll, pitch = v.body.attitude_deg
-        v.broadcast(
+        self._count += 1
+        body, position = self._flight.body, self._flight.position
+        lat, lon, alt_m = position.reported()
+        roll, pitch = body.attitude_deg
+        self._ports.broadcast(
             mavlink.MAVLink_camera_feedback_message(
-                v.utc_us, 0, 0, self.count, lat, lon, alt_m, v.height_above_home_m,
-                roll, pitch, v.body.yaw_deg, 0.0, 0, 0,
+                self._flight.clock.utc_us, 0, 0, self._count, lat, lon, alt_m,
+                position.from_home_m[2], roll, pitch, body.yaw_deg, 0.0, 0, 0,
             )
         )  # fmt: skip
+
+    def _do_shoot(self, _c: Command) -> int:
+        self.shoot()
+        return ACCEPTED if self._present else UNSUPPORTED
+
+    def _do_every(self, c: Command) -> int:
+        if not self._present:
+            return UNSUPPORTED
+        self.every(c.p[0], at_once=c.p[2] == 1)
+        return ACCEPTED
+
+    def _do_mount(self, _c: Command) -> int:
+        return ACCEPTED if self._flight.params["MNT1_TYPE"] else FAILED

@@ -1,13 +1,25 @@
-"""The vehicle's two clocks: since power-up, and UTC."""
+"""The vehicle's clocks: simulated time, time since power-up, UTC."""
 
 from __future__ import annotations
 
 
 class Clock:
-    """Mixin of `Vehicle`: `time_s` counts from power-up, `utc_offset_us` is UTC at that moment."""
+    """`total_s` counts from when the vehicle was made, `time_s` from its last power-up.
 
-    time_s: float
-    utc_offset_us: int
+    `utc_at_boot_us` is UTC at the first power-up; `drift_ppm` makes the vehicle's own clock, and
+    with it all but `total_s`, run fast.
+    """
+
+    def __init__(self, utc_at_boot_us: int, drift_ppm: float) -> None:
+        self.drift_ppm = drift_ppm
+        self.total_s = 0.0
+        self.time_s = 0.0
+        self._utc_at_boot_us = utc_at_boot_us
+
+    def restart(self, dark_s: float) -> None:
+        """Power up again after `dark_s` seconds."""
+        self._utc_at_boot_us += round((self.time_s + dark_s) * 1e6)
+        self.time_s = 0.0
 
     @property
     def time_us(self) -> int:
@@ -22,7 +34,7 @@ class Clock:
     @property
     def utc_us(self) -> int:
         """UTC in microseconds."""
-        return self.utc_offset_us + self.time_us
+        return self._utc_at_boot_us + self.time_us
 
     def seconds_until_utc(self, hour: float, minute: float, second: float) -> float:
         """Seconds until a time of day; -1 means any; a time just past waits for the next one."""

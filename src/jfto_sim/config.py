@@ -1,4 +1,4 @@
-"""What one simulated vehicle is: identity, home, seed, surroundings."""
+"""What one simulated vehicle is: identity, home, seed, surroundings; and several in a row."""
 
 from __future__ import annotations
 
@@ -6,8 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from jfto_msgs_py.errors import InputError
+from jfto_sim.geodesy import UNITS_PER_DEGREE, move
 from jfto_world.motion.arducopter.wpnav import Airframe
 
+FLEET_MAX = 200
 PORT_MAX = 8
 RECORDED_UID2 = (51, 100, 49, 50, 49, 57, 99, 55, 99, 52, 99, 53, 52, 48, 52, 97, 97, 0)
 RECORDED_UTC_AT_BOOT_US = 1_795_312_779_996_533
@@ -70,3 +72,46 @@ class VehicleConfig:
         if self.uid2 is not None:
             return list(self.uid2)
         return [*RECORDED_UID2[:-2], ord("0") + self.sysid % 10, self.sysid - 1]
+
+    @property
+    def home_units(self) -> tuple[int, int]:
+        """Latitude and longitude of home in 1e-7 degree."""
+        lat, lon = self.home_lat_deg * UNITS_PER_DEGREE, self.home_lon_deg * UNITS_PER_DEGREE
+        return round(lat), round(lon)
+
+
+def fleet(
+    count: int,
+    home: tuple[float, float, float] = (47.397742, 8.545594, 488.1),
+    *,
+    spacing_m: float = 10.0,
+    seed: int = 0,
+    parameters: dict[str, float] | None = None,
+    gps_noise_m: float = 0.0,
+    utc_at_boot_us: int = RECORDED_UTC_AT_BOOT_US,
+) -> list[VehicleConfig]:
+    """`count` vehicles with system ids 1.. in a row to the east of `home` (lat, lon, height).
+
+    Raises InputError for a count or spacing that makes no sense.
+    """
+    if not 1 <= count <= FLEET_MAX:
+        raise InputError(f"There must be 1 to {FLEET_MAX} simulated vehicles, not {count}.")
+    if not spacing_m >= 0:
+        raise InputError(f"spacing_m is {spacing_m}, must not be negative.")
+    lat, lon = round(home[0] * UNITS_PER_DEGREE), round(home[1] * UNITS_PER_DEGREE)
+    configs = []
+    for k in range(count):
+        at = move(lat, lon, k * spacing_m, 0.0)
+        configs.append(
+            VehicleConfig(
+                sysid=k + 1,
+                home_lat_deg=at[0] / UNITS_PER_DEGREE,
+                home_lon_deg=at[1] / UNITS_PER_DEGREE,
+                home_alt_m=home[2],
+                seed=seed + k,
+                parameters=dict(parameters or {}),
+                gps_noise_m=gps_noise_m,
+                utc_at_boot_us=utc_at_boot_us,
+            )
+        )
+    return configs

@@ -16,14 +16,11 @@ radio 1 dead | radio 1 stuck | radio 1 mend   it sends nothing; it obeys no more
 from __future__ import annotations
 
 from dataclasses import fields, replace
-from typing import TYPE_CHECKING
 
 from jfto_msgs_py.errors import InputError
+from jfto_sim.air import FleetAir
+from jfto_sim.endpoint import Station
 from jfto_sim.faults import LinkFaults
-
-if TYPE_CHECKING:
-    from jfto_sim.air import FleetAir
-    from jfto_sim.server import Station
 
 _LINK_FIELDS = {f.name for f in fields(LinkFaults)}
 _SWITCHES = {
@@ -75,7 +72,7 @@ def _fault(station: Station, verb: str, rest: list[str], line: str) -> None:
         params.store("SIM_WIND_SPD", _number(rest[0], "wind speed"))
         params.store("SIM_WIND_DIR", _number(rest[1], "wind direction"))
     elif verb == "drift" and len(rest) == 1:
-        station.vehicle.clock_drift_ppm = _number(rest[0], "clock drift")
+        station.vehicle.clock.drift_ppm = _number(rest[0], "clock drift")
     elif verb == "reboot" and not rest:
         station.reboot()
     elif verb == "kill" and not rest:

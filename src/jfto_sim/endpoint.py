@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import socket
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.errors import InputError, JftoError
+from jfto_sim.faults import LinkFaults, LossyPipe
+from jfto_sim.vehicle import Vehicle
 
 _CHUNK = 4096
 _BACKLOG_MAX = 1 << 20
@@ -219,3 +222,65 @@ class EndpointSpec:
                 f"Endpoint {self.kind}:{self.host}:{self.port} cannot be opened: {error}. "
                 "Choose another port."
             ) from error
+
+
+class Station:
+    """One vehicle with its endpoints and the two lossy directions of each."""
+
+    def __init__(self, vehicle: Vehicle, specs: Sequence[EndpointSpec], seed: int) -> None:
+        if len(specs) > len(vehicle.ports):
+            raise InputError(
+                f"Vehicle {vehicle.sysid} has {len(vehicle.ports)} ports, not {len(specs)}."
+            )
+        self.vehicle = vehicle
+        self.endpoints: list[Endpoint] = []
+        try:
+            for spec in specs:
+                self.endpoints.append(spec.open())
+        except JftoError:
+            self.close()
+            raise
+        self.links = [
+            {
+                "to": LossyPipe(LinkFaults(), seed * 1000 + 2 * k),
+                "from": LossyPipe(LinkFaults(), seed * 1000 + 2 * k + 1),
+            }
+            for k in range(len(specs))
+        ]
+
+    def mend(self) -> None:
+        """All links clean again."""
+        for link in self.links:
+            for pipe in link.values():
+                pipe.faults = LinkFaults()
+
+    def reboot(self) -> None:
+        """Restart the vehicle; connections end."""
+        self.vehicle.reboot()
+        for endpoint in self.endpoints:
+            endpoint.drop()
+
+    def step(self, dt_s: float) -> None:
+        """Read, advance, send. Link delays count in the vehicle's time."""
+        vehicle = self.vehicle
+        now = vehicle.total_s
+        for k, endpoint in enumerate(self.endpoints):
+            pipe = self.links[k]["to"]
+            for chunk in endpoint.receive():
+                pipe.put(chunk, now)
+            for chunk in pipe.take(now + dt_s):
+                vehicle.handle(chunk, k)
+        boots = vehicle.boots
+        for port, frame in vehicle.advance(dt_s):
+            if port < len(self.links):
+                self.links[port]["from"].put(frame, vehicle.total_s)
+        for k, endpoint in enumerate(self.endpoints):
+            for frame in self.links[k]["from"].take(vehicle.total_s):
+                endpoint.send(frame)
+            if vehicle.boots != boots:
+                endpoint.drop()
+
+    def close(self) -> None:
+        """Give the sockets back."""
+        for endpoint in self.endpoints:
+            endpoint.close()

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from jfto_sim.params import Parameters
+from jfto_sim.clock import Clock
+from jfto_sim.parameters import Parameters
 
 GPS_FIX_AT_S = 9.9
 ORIGIN_AT_S = 19.85
@@ -16,56 +17,59 @@ FLAGS_ALIGNING, FLAGS_AIDING, FLAGS_LOST, FLAGS_LOST_FLYING = 167, 831, 39, 37
 
 
 class Estimator:
-    """EKF and GPS. `lost_at_s` is when the GPS went away, None while it is there."""
+    """EKF and GPS. `back_at_s` is when the GPS came back, or was first used."""
 
-    def __init__(self, params: Parameters) -> None:
-        self.params = params
-        self.lost_at_s: float | None = None
+    def __init__(self, params: Parameters, clock: Clock) -> None:
+        self._params = params
+        self._clock = clock
+        self._lost_at_s: float | None = None
         self.back_at_s = AIDING_AT_S
-        self.variance_told = False
-        self.aiding_told = True
 
     @property
     def gps_present(self) -> bool:
         """Whether the receiver has a position."""
-        return self.params["SIM_GPS_DISABLE"] == 0
+        return self._params["SIM_GPS_DISABLE"] == 0
 
-    def update(self, now_s: float) -> None:
+    def update(self) -> None:
         """Note when the GPS goes and comes."""
         if self.gps_present:
-            if self.lost_at_s is not None:
-                self.back_at_s = max(now_s, AIDING_AT_S)
-            self.lost_at_s = None
-        elif self.lost_at_s is None:
-            self.lost_at_s = now_s
+            if self._lost_at_s is not None:
+                self.back_at_s = max(self._clock.time_s, AIDING_AT_S)
+            self._lost_at_s = None
+        elif self._lost_at_s is None:
+            self._lost_at_s = self._clock.time_s
 
-    def lost_for_s(self, now_s: float) -> float:
+    @property
+    def lost_for_s(self) -> float:
         """Seconds without GPS, 0 while it is there."""
-        return 0.0 if self.lost_at_s is None else now_s - self.lost_at_s
+        return 0.0 if self._lost_at_s is None else self._clock.time_s - self._lost_at_s
 
-    def has_fix(self, now_s: float) -> bool:
+    @property
+    def has_fix(self) -> bool:
         """Whether the GPS reports a fix."""
-        return now_s >= GPS_FIX_AT_S and self.gps_present
+        return self._clock.time_s >= GPS_FIX_AT_S and self.gps_present
 
-    def has_origin(self, now_s: float) -> bool:
+    @property
+    def has_origin(self) -> bool:
         """Whether the EKF origin is set, and with it home."""
-        return now_s >= ORIGIN_AT_S
+        return self._clock.time_s >= ORIGIN_AT_S
 
-    def active(self, now_s: float) -> bool:
+    @property
+    def active(self) -> bool:
         """Whether the EKF drives the attitude."""
-        return now_s >= EKF_ACTIVE_AT_S
+        return self._clock.time_s >= EKF_ACTIVE_AT_S
 
-    def position_ok(self, now_s: float) -> bool:
+    @property
+    def position_ok(self) -> bool:
         """Whether modes that need a position may be used."""
-        return now_s >= AIDING_AT_S and self.lost_for_s(now_s) < VARIANCE_AFTER_S
+        return self._clock.time_s >= AIDING_AT_S and self.lost_for_s < VARIANCE_AFTER_S
 
-    def flags(self, now_s: float, *, flying: bool) -> int:
+    def flags(self, *, flying: bool) -> int:
         """EKF_STATUS_REPORT.flags."""
-        if now_s < AIDING_AT_S:
+        if self._clock.time_s < AIDING_AT_S:
             return FLAGS_ALIGNING
-        lost_s = self.lost_for_s(now_s)
-        if lost_s < VARIANCE_AFTER_S - 0.5:
+        if self.lost_for_s < VARIANCE_AFTER_S - 0.5:
             return FLAGS_AIDING
-        if lost_s >= STOPPED_AIDING_AFTER_S:
+        if self.lost_for_s >= STOPPED_AIDING_AFTER_S:
             return FLAGS_ALIGNING
         return FLAGS_LOST_FLYING if flying else FLAGS_LOST

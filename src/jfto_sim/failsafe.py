@@ -1,18 +1,23 @@
-"""Station, battery, EKF and fence failsafes."""
+"""Station, battery, EKF, fence and motor failsafes."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
-from jfto_sim.battery import BatteryState
-from jfto_sim.dialect import CRITICAL, EMERGENCY, NOTICE, WARNING
-from jfto_sim.estimator import RECOVERED_AFTER_S, STOPPED_AIDING_AFTER_S, VARIANCE_AFTER_S
-from jfto_sim.fence import breach
-from jfto_sim.modes.numbers import NEEDS_POSITION, Mode
-
-if TYPE_CHECKING:
-    from jfto_sim.vehicle import Vehicle
+from jfto_sim.battery import Battery, BatteryState
+from jfto_sim.dialect import CRITICAL, EMERGENCY, NOTICE, WARNING, Message
+from jfto_sim.estimator import (
+    RECOVERED_AFTER_S,
+    STOPPED_AIDING_AFTER_S,
+    VARIANCE_AFTER_S,
+    Estimator,
+)
+from jfto_sim.flight import Flight
+from jfto_sim.mission.fence import breach
+from jfto_sim.mission.items import Store
+from jfto_sim.modes.mode import NEEDS_POSITION, Mode, Modes
+from jfto_sim.modes.simple import Land
+from jfto_sim.ports import MessageHandler, Ports
 
 CONTINUE_IN_AUTO = 2  # bit of FS_OPTIONS
 _BATTERY_ACTION = {1: Mode.LAND, 2: Mode.RTL, 3: Mode.RTL, 4: Mode.RTL, 7: Mode.BRAKE}
@@ -21,31 +26,43 @@ _THRUST_LOSS_AFTER_S = 3.9
 
 
 class Failsafes:
-    """Watches what can go wrong; `critical` is what HEARTBEAT shows as system status 5."""
+    """Watches what can go wrong, and changes the mode of `modes`; `land` is its LAND mode."""
 
-    def __init__(self, vehicle: Vehicle) -> None:
-        self.vehicle = vehicle
-        self.station_heard_s: float | None = None
-        self.station = False
-        self.ekf = False
-        self._ekf_acted = False
-        self._lane_switched = False
+    def __init__(
+        self,
+        flight: Flight,
+        battery: Battery,
+        estimator: Estimator,
+        store: Store,
+        ports: Ports,
+        modes: Modes,
+        land: Land,
+    ) -> None:
         self.fence_breach = 0
         self.fence_count = 0
         self.fence_time_s = 0.0
+        self._flight = flight
+        self._battery = battery
+        self._estimator = estimator
+        self._store = store
+        self._ports = ports
+        self._modes = modes
+        self._land = land
+        self._station_heard_s: float | None = None
+        self._station = False
+        self._ekf = False
+        self._ekf_acted = False
+        self._variance_told = False
+        self._aiding_told = True
+        self._lane_switched = False
         self._thrust_told = False
+        self.messages: dict[str, MessageHandler] = {"HEARTBEAT": self._heartbeat}
+        flight.motors.when_stopped.append(self._motors_stopped)
 
     @property
     def critical(self) -> bool:
-        """Whether a failsafe is in force."""
-        return self.station or self.ekf or self.vehicle.battery.state > BatteryState.HEALTHY
-
-    def station_heard(self) -> None:
-        """A heartbeat of SYSID_MYGCS arrived."""
-        self.station_heard_s = self.vehicle.time_s
-        if self.station:
-            self.station = False
-            self.vehicle.text(WARNING, "GCS Failsafe Cleared")
+        """Whether a failsafe is in force; HEARTBEAT shows it as system status 5."""
+        return self._station or self._ekf or self._battery.state > BatteryState.HEALTHY
 
     def tick(self) -> None:
         """Look at everything once; called ten times a second."""
@@ -55,110 +72,121 @@ class Failsafes:
         self._watch_fence()
         self._watch_thrust()
 
-    def _watch_station(self) -> None:
-        v = self.vehicle
-        action = int(v.params["FS_GCS_ENABLE"])
-        if action == 0 or self.station_heard_s is None or self.station:
-            return
-        if v.time_s - self.station_heard_s < v.params["FS_GCS_TIMEOUT"]:
-            return
-        self.station = True
-        if not v.arming.armed:
-            return
-        if v.mode.number == Mode.AUTO and int(v.params["FS_OPTIONS"]) & CONTINUE_IN_AUTO:
-            v.text(WARNING, "GCS Failsafe - Continuing Auto Mode")
-            return
-        v.text(WARNING, "GCS Failsafe")
-        self._go(Mode.LAND if action == 5 else Mode.RTL)
-
     def _go(self, mode: Mode) -> None:
         """Change mode, or stop the motors where the vehicle stands on the ground."""
-        v = self.vehicle
-        if v.body.landed:
-            v.arming.release()
-        elif mode == Mode.LAND or not v.set_mode(mode):
-            v.set_mode(Mode.LAND)
-            v.land.wait()
+        if self._flight.body.landed:
+            self._flight.motors.stop()
+        elif mode == Mode.LAND or not self._modes.set(mode):
+            self._modes.set(Mode.LAND)
+            self._land.wait()
+
+    def _heartbeat(self, m: Message, _port: int) -> None:
+        """A heartbeat of SYSID_MYGCS arrived."""
+        if m.get_srcSystem() != self._flight.params["SYSID_MYGCS"]:
+            return
+        self._station_heard_s = self._flight.clock.time_s
+        if self._station:
+            self._station = False
+            self._ports.text(WARNING, "GCS Failsafe Cleared")
+
+    def _watch_station(self) -> None:
+        params = self._flight.params
+        action = int(params["FS_GCS_ENABLE"])
+        if action == 0 or self._station_heard_s is None or self._station:
+            return
+        if self._flight.clock.time_s - self._station_heard_s < params["FS_GCS_TIMEOUT"]:
+            return
+        self._station = True
+        if not self._flight.motors.armed:
+            return
+        on_mission = self._modes.current.number is Mode.AUTO
+        if on_mission and int(params["FS_OPTIONS"]) & CONTINUE_IN_AUTO:
+            self._ports.text(WARNING, "GCS Failsafe - Continuing Auto Mode")
+            return
+        self._ports.text(WARNING, "GCS Failsafe")
+        self._go(Mode.LAND if action == 5 else Mode.RTL)
 
     def _watch_battery(self) -> None:
-        v = self.vehicle
-        found = v.battery.worsened(v.time_s)
+        battery = self._battery
+        found = battery.worsened(self._flight.clock.time_s)
         if found is None:
             return
-        word = "critical" if found is BatteryState.CRITICAL else "low"
-        b = v.battery
-        v.text(WARNING, f"Battery 1 is {word} {b.voltage_v:.2f}V used {b.consumed_mah:.0f} mAh")
-        name = "BATT_FS_CRT_ACT" if found is BatteryState.CRITICAL else "BATT_FS_LOW_ACT"
-        action = _BATTERY_ACTION.get(int(v.params[name]))
-        v.text(WARNING, "Battery Failsafe")
-        if action is not None and v.arming.armed:
+        critical = found is BatteryState.CRITICAL
+        self._ports.text(
+            WARNING,
+            f"Battery 1 is {'critical' if critical else 'low'} {battery.voltage_v:.2f}V "
+            f"used {battery.consumed_mah:.0f} mAh",
+        )
+        name = "BATT_FS_CRT_ACT" if critical else "BATT_FS_LOW_ACT"
+        action = _BATTERY_ACTION.get(int(self._flight.params[name]))
+        self._ports.text(WARNING, "Battery Failsafe")
+        if action is not None and self._flight.motors.armed:
             self._go(action)
 
     def _watch_ekf(self) -> None:
-        v, e = self.vehicle, self.vehicle.estimator
-        e.update(v.time_s)
-        lost_s = e.lost_for_s(v.time_s)
-        if v.arming.armed and lost_s >= VARIANCE_AFTER_S - 0.1 and not self._lane_switched:
+        estimator, now = self._estimator, self._flight.clock.time_s
+        estimator.update()
+        lost_s, armed = estimator.lost_for_s, self._flight.motors.armed
+        if armed and lost_s >= VARIANCE_AFTER_S - 0.1 and not self._lane_switched:
             self._lane_switched = True
-            v.text(CRITICAL, "EKF3 lane switch 1")
-            v.text(WARNING, "EKF primary changed:1")
-        if lost_s >= VARIANCE_AFTER_S and not e.variance_told and v.time_s > 10.0:
-            e.variance_told = True
-            v.text(CRITICAL, "EKF variance")
+            self._ports.text(CRITICAL, "EKF3 lane switch 1")
+            self._ports.text(WARNING, "EKF primary changed:1")
+        if lost_s >= VARIANCE_AFTER_S and not self._variance_told and now > 10.0:
+            self._variance_told = True
+            self._ports.text(CRITICAL, "EKF variance")
             self._ekf_lost()
-        if lost_s >= STOPPED_AIDING_AFTER_S and e.aiding_told and not v.arming.armed:
-            e.aiding_told = False
-            v.text(WARNING, "EKF3 IMU0 stopped aiding")
-            v.text(WARNING, "EKF3 IMU1 stopped aiding")
-        if e.gps_present and e.variance_told and v.time_s - e.back_at_s >= RECOVERED_AFTER_S:
-            e.variance_told, e.aiding_told = False, True
-            self.ekf = False
+        armed = self._flight.motors.armed
+        if lost_s >= STOPPED_AIDING_AFTER_S and self._aiding_told and not armed:
+            self._aiding_told = False
+            self._ports.text(WARNING, "EKF3 IMU0 stopped aiding")
+            self._ports.text(WARNING, "EKF3 IMU1 stopped aiding")
+        back_s = now - estimator.back_at_s
+        if estimator.gps_present and self._variance_told and back_s >= RECOVERED_AFTER_S:
+            self._variance_told, self._aiding_told = False, True
+            self._ekf = False
             if self._ekf_acted:
                 self._ekf_acted = False
-                v.text(CRITICAL, "EKF Failsafe Cleared")
+                self._ports.text(CRITICAL, "EKF Failsafe Cleared")
 
     def _ekf_lost(self) -> None:
-        v = self.vehicle
-        self.ekf = True
-        if v.arming.armed and v.mode.number in NEEDS_POSITION and not v.body.landed:
+        self._ekf = True
+        flying = self._flight.motors.armed and not self._flight.body.landed
+        if flying and self._modes.current.number in NEEDS_POSITION:
             self._ekf_acted = True
-            v.text(CRITICAL, "EKF Failsafe: changed to LAND Mode")
+            self._ports.text(CRITICAL, "EKF Failsafe: changed to LAND Mode")
             self._go(Mode.LAND)
 
-    def disarmed(self) -> None:
+    def _motors_stopped(self) -> None:
         """The primary EKF lane goes back to the first at disarming."""
         if self._lane_switched:
             self._lane_switched = False
-            self.vehicle.text(WARNING, "EKF primary changed:0")
+            self._ports.text(WARNING, "EKF primary changed:0")
 
     def _watch_fence(self) -> None:
-        v = self.vehicle
-        if not v.params["FENCE_ENABLE"] or not v.arming.armed or v.body.landed:
+        params, position = self._flight.params, self._flight.position
+        flying = self._flight.motors.armed and not self._flight.body.landed
+        if not params["FENCE_ENABLE"] or not flying:
             self.fence_breach = 0
             return
         before = self.fence_breach
-        self.fence_breach = breach(v.params, v.store, v.position_from_home_m, v.origin)
+        self.fence_breach = breach(params, self._store, position.from_home_m, position.origin)
         if not self.fence_breach or before:
             return
         self.fence_count += 1
-        self.fence_time_s = v.time_s
-        v.text(NOTICE, "Fence Breached")
-        action = _FENCE_ACTION.get(int(v.params["FENCE_ACTION"]))
-        if action is not None and not math.isnan(v.position_from_home_m[0]):
+        self.fence_time_s = self._flight.clock.time_s
+        self._ports.text(NOTICE, "Fence Breached")
+        action = _FENCE_ACTION.get(int(params["FENCE_ACTION"]))
+        if action is not None and not math.isnan(position.from_home_m[0]):
             self._go(action)
 
     def terrain_missing(self) -> None:
         """An item counts from the terrain, and terrain is switched off."""
-        self.vehicle.text(CRITICAL, "Failsafe: Terrain data missing")
+        self._ports.text(CRITICAL, "Failsafe: Terrain data missing")
         self._go(Mode.RTL)
 
     def _watch_thrust(self) -> None:
-        body = self.vehicle.body
-        body.failed = self.vehicle.params["SIM_ENGINE_MUL"] < 0.5 and self.vehicle.arming.armed
-        if (
-            body.failed
-            and not self._thrust_told
-            and self.vehicle.motor_failed_for_s > _THRUST_LOSS_AFTER_S
-        ):
+        body, motors = self._flight.body, self._flight.motors
+        body.failed = self._flight.params["SIM_ENGINE_MUL"] < 0.5 and motors.armed
+        if body.failed and not self._thrust_told and motors.failed_for_s > _THRUST_LOSS_AFTER_S:
             self._thrust_told = True
-            self.vehicle.text(EMERGENCY, "Potential Thrust Loss (1)")
+            self._ports.text(EMERGENCY, "Potential Thrust Loss (1)")

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
+from jfto_sim.clock import Clock
 from jfto_sim.dialect import INFO, WARNING, Message, mavlink
-
-if TYPE_CHECKING:
-    from jfto_sim.vehicle import Vehicle
+from jfto_sim.parameters import Parameters
+from jfto_sim.ports import MessageHandler, Ports
 
 NO_INDEX = 65535
 _READ_PERIOD_S = 0.1
@@ -16,17 +16,30 @@ _READ_PHASE_S = 0.01
 _LIST_PERIOD_S = 0.02
 _LIST_BURST = 31
 _BANNER = ("ArduCopter V4.5.5 (142aece2)", "3d1219c7c4c5404aaa1f6d2a48adfda4", "Frame: QUAD/PLUS")
+_NEVER_S = float("inf")
 
 
 class ParameterProtocol:
-    """Queues of pending reads and lists, served as the vehicle's clock passes."""
+    """Queues of pending reads and lists, served as the vehicle's clock passes.
 
-    def __init__(self, vehicle: Vehicle) -> None:
-        self.vehicle = vehicle
+    `changed` is told the name of a parameter that a station wrote.
+    """
+
+    def __init__(
+        self, params: Parameters, clock: Clock, ports: Ports, changed: Callable[[str], None]
+    ) -> None:
+        self.params = params
+        self._clock = clock
+        self._ports = ports
+        self._changed = changed
         self._reads: list[tuple[int, str, int]] = []
         self._lists: dict[int, int] = {}
-        self._list_s = float("inf")
-        self._read_s = float("inf")
+        self._list_s = self._read_s = _NEVER_S
+        self.messages: dict[str, MessageHandler] = {
+            "PARAM_REQUEST_READ": self._request_read,
+            "PARAM_REQUEST_LIST": self._request_list,
+            "PARAM_SET": self._set,
+        }
 
     @property
     def next_s(self) -> float:
@@ -35,78 +48,75 @@ class ParameterProtocol:
 
     def tick(self) -> None:
         """Send what is due."""
-        now = self.vehicle.time_s + 1e-9
+        now = self._clock.time_s + 1e-9
         if now >= self._read_s:
             for port, name, index in self._reads:
-                self._send(name, index, port)
+                self._ports.send(port, self._message(name, index))
             self._reads.clear()
-            self._read_s = float("inf")
+            self._read_s = _NEVER_S
         if now >= self._list_s:
             self._list_s += _LIST_PERIOD_S
-            self._send_list()
+            self._send_lists()
 
-    def _send_list(self) -> None:
-        v = self.vehicle
+    def _send_lists(self) -> None:
         for port, at in list(self._lists.items()):
-            stop = min(at + _LIST_BURST, v.params.count)
+            stop = min(at + _LIST_BURST, self.params.count)
             for index in range(at, stop):
-                name = v.params.name_at(index)
+                name = self.params.name_at(index)
                 assert name is not None
-                self._send(name, index, port)
-            if stop >= v.params.count:
+                self._ports.send(port, self._message(name, index))
+            if stop >= self.params.count:
                 del self._lists[port]
             else:
                 self._lists[port] = stop
         if not self._lists:
-            self._list_s = float("inf")
+            self._list_s = _NEVER_S
 
-    def _send(self, name: str, index: int, port: int, count: int | None = None) -> None:
-        self.vehicle.send(port, self.message(name, index, count))
-
-    def message(self, name: str, index: int = NO_INDEX, count: int | None = None) -> Message:
-        """PARAM_VALUE of one parameter."""
-        params = self.vehicle.params
+    def _message(self, name: str, index: int = NO_INDEX, count: int | None = None) -> Message:
+        params = self.params
         return mavlink.MAVLink_param_value_message(
             name.encode(), params[name], params.kind(name), count or params.count, index
         )
 
-    def request_read(self, m: Message, port: int) -> None:
-        """PARAM_REQUEST_READ by name or index; unknown ones are not answered."""
-        v = self.vehicle
-        if m.param_index == -1:
-            name: str | None = _name(m)
-        else:
-            name = v.params.name_at(m.param_index)
-        if name is None or name not in v.params:
+    def tell(self, name: str, count: int | None = None) -> None:
+        """PARAM_VALUE to every active port; `count` is how many parameters there are by then."""
+        self._ports.broadcast(self._message(name, count=count))
+
+    def tell_stored(self, name: str, value: float) -> None:
+        """Store a value of the vehicle's own and tell it."""
+        self.params.store(name, value)
+        self.tell(name)
+
+    def _request_read(self, m: Message, port: int) -> None:
+        """By name or index; unknown ones are not answered."""
+        by_name = m.param_index == -1
+        name = _name(m) if by_name else self.params.name_at(m.param_index)
+        if name is None or name not in self.params:
             return
-        index = NO_INDEX if m.param_index == -1 else m.param_index
-        self._reads.append((port, name, index))
-        if self._read_s == float("inf"):
-            beat = math.floor((v.time_s - _READ_PHASE_S) / _READ_PERIOD_S + 1e-6) + 1
+        self._reads.append((port, name, NO_INDEX if by_name else m.param_index))
+        if self._read_s == _NEVER_S:
+            beat = math.floor((self._clock.time_s - _READ_PHASE_S) / _READ_PERIOD_S + 1e-6) + 1
             self._read_s = beat * _READ_PERIOD_S + _READ_PHASE_S
 
-    def request_list(self, port: int) -> None:
-        """PARAM_REQUEST_LIST: the banner, then every parameter."""
-        v = self.vehicle
+    def _request_list(self, _m: Message, port: int) -> None:
+        """The banner, then every parameter."""
         for line in _BANNER:
-            v.text(INFO, line, port)
+            self._ports.text(INFO, line, port)
         self._lists[port] = 0
-        if self._list_s == float("inf"):
-            self._list_s = v.time_s + _LIST_PERIOD_S
+        if self._list_s == _NEVER_S:
+            self._list_s = self._clock.time_s + _LIST_PERIOD_S
 
-    def set(self, m: Message, port: int) -> None:
-        """PARAM_SET: echoed on every active port with what was stored."""
-        v = self.vehicle
+    def _set(self, m: Message, port: int) -> None:
+        """Echoed on every active port with what was stored."""
         name = _name(m)
-        if name not in v.params or not math.isfinite(m.param_value):
+        if name not in self.params or not math.isfinite(m.param_value):
             return
-        if v.params.read_only(name):
-            self._send(name, NO_INDEX, port)
-            v.text(WARNING, f"Param write denied ({name})", port)
+        if self.params.read_only(name):
+            self._ports.send(port, self._message(name))
+            self._ports.text(WARNING, f"Param write denied ({name})", port)
             return
-        v.params.store(name, m.param_value)
-        v.tell_parameter(name)
-        v.parameter_changed(name)
+        self.tell_stored(name, m.param_value)
+        self._changed(name)
 
 
 def _name(m: Message) -> str:

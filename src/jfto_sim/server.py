@@ -16,76 +16,13 @@ from jfto_msgs_py.errors import InputError, JftoError
 from jfto_sim import control
 from jfto_sim.air import FleetAir
 from jfto_sim.config import VehicleConfig
-from jfto_sim.endpoint import Endpoint, EndpointSpec
-from jfto_sim.faults import LinkFaults, LossyPipe
-from jfto_sim.motion.warm_up import warm_up
+from jfto_sim.endpoint import EndpointSpec, Station
+from jfto_sim.motion.waypoint_nav import warm_up
 from jfto_sim.vehicle import Vehicle
 
 _TICK_S, _STEP_MAX_S = 0.005, 0.5
 _CONTROL_BYTES = 512
 TCP_BASE, UDP_BASE, PORT_STEP = 5760, 14560, 10
-
-
-class Station:
-    """One vehicle with its endpoints and the two lossy directions of each."""
-
-    def __init__(self, vehicle: Vehicle, specs: Sequence[EndpointSpec], seed: int) -> None:
-        if len(specs) > len(vehicle.ports):
-            raise InputError(
-                f"Vehicle {vehicle.sysid} has {len(vehicle.ports)} ports, not {len(specs)}."
-            )
-        self.vehicle = vehicle
-        self.endpoints: list[Endpoint] = []
-        try:
-            for spec in specs:
-                self.endpoints.append(spec.open())
-        except JftoError:
-            self.close()
-            raise
-        self.links = [
-            {
-                "to": LossyPipe(LinkFaults(), seed * 1000 + 2 * k),
-                "from": LossyPipe(LinkFaults(), seed * 1000 + 2 * k + 1),
-            }
-            for k in range(len(specs))
-        ]
-
-    def mend(self) -> None:
-        """All links clean again."""
-        for link in self.links:
-            for pipe in link.values():
-                pipe.faults = LinkFaults()
-
-    def reboot(self) -> None:
-        """Restart the vehicle; connections end."""
-        self.vehicle.reboot()
-        for endpoint in self.endpoints:
-            endpoint.drop()
-
-    def step(self, dt_s: float) -> None:
-        """Read, advance, send. Link delays count in the vehicle's time."""
-        vehicle = self.vehicle
-        now = vehicle.total_s
-        for k, endpoint in enumerate(self.endpoints):
-            pipe = self.links[k]["to"]
-            for chunk in endpoint.receive():
-                pipe.put(chunk, now)
-            for chunk in pipe.take(now + dt_s):
-                vehicle.handle(chunk, k)
-        boots = vehicle.boots
-        for port, frame in vehicle.advance(dt_s):
-            if port < len(self.links):
-                self.links[port]["from"].put(frame, vehicle.total_s)
-        for k, endpoint in enumerate(self.endpoints):
-            for frame in self.links[k]["from"].take(vehicle.total_s):
-                endpoint.send(frame)
-            if vehicle.boots != boots:
-                endpoint.drop()
-
-    def close(self) -> None:
-        """Give the sockets back."""
-        for endpoint in self.endpoints:
-            endpoint.close()
 
 
 @dataclass(frozen=True)

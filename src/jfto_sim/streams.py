@@ -1,82 +1,40 @@
-"""What goes out regularly: which messages a stream holds, and which may be asked for at all."""
+"""What goes out regularly or on request: streams, message intervals, single messages."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING
+import math
 
-from jfto_sim import telemetry, telemetry_raw
-from jfto_sim.dialect import Message, mavlink
+from jfto_sim.clock import Clock
+from jfto_sim.commands import Command, CommandHandler
+from jfto_sim.dialect import ACCEPTED, DENIED, FAILED, INFO, Message, mavlink
+from jfto_sim.ports import MessageHandler, Ports
+from jfto_sim.telemetry import MESSAGES, Telemetry
 
-if TYPE_CHECKING:
-    from jfto_sim.vehicle import Vehicle
+_FASTEST_US = 3000
+_FIRST_HEARTBEAT_S = 1.04
+_TERRAIN_REQUEST_S = 2.0
 
-Builder = Callable[["Vehicle"], Message]
 
-BUILDERS: dict[int, Builder] = {
-    mavlink.MAVLINK_MSG_ID_HEARTBEAT: telemetry.heartbeat,
-    mavlink.MAVLINK_MSG_ID_SYS_STATUS: telemetry.sys_status,
-    mavlink.MAVLINK_MSG_ID_SYSTEM_TIME: telemetry.system_time,
-    mavlink.MAVLINK_MSG_ID_GPS_RAW_INT: telemetry.gps_raw_int,
-    mavlink.MAVLINK_MSG_ID_ATTITUDE: telemetry.attitude,
-    mavlink.MAVLINK_MSG_ID_LOCAL_POSITION_NED: telemetry.local_position_ned,
-    mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: telemetry.global_position_int,
-    mavlink.MAVLINK_MSG_ID_MISSION_CURRENT: telemetry.mission_current,
-    mavlink.MAVLINK_MSG_ID_NAV_CONTROLLER_OUTPUT: telemetry.nav_controller_output,
-    mavlink.MAVLINK_MSG_ID_VFR_HUD: telemetry.vfr_hud,
-    mavlink.MAVLINK_MSG_ID_BATTERY_STATUS: telemetry.battery_status,
-    mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION: telemetry.autopilot_version,
-    mavlink.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: telemetry.extended_sys_state,
-    mavlink.MAVLINK_MSG_ID_HOME_POSITION: telemetry.home_position,
-    mavlink.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN: telemetry.gps_global_origin,
-    mavlink.MAVLINK_MSG_ID_EKF_STATUS_REPORT: telemetry.ekf_status_report,
-    mavlink.MAVLINK_MSG_ID_FENCE_STATUS: telemetry.fence_status,
-    mavlink.MAVLINK_MSG_ID_RAW_IMU: telemetry_raw.raw_imu,
-    mavlink.MAVLINK_MSG_ID_SCALED_IMU2: telemetry_raw.scaled_imu2,
-    mavlink.MAVLINK_MSG_ID_SCALED_IMU3: telemetry_raw.scaled_imu3,
-    mavlink.MAVLINK_MSG_ID_SCALED_PRESSURE: telemetry_raw.scaled_pressure,
-    mavlink.MAVLINK_MSG_ID_SCALED_PRESSURE2: telemetry_raw.scaled_pressure2,
-    mavlink.MAVLINK_MSG_ID_POWER_STATUS: telemetry_raw.power_status,
-    mavlink.MAVLINK_MSG_ID_MEMINFO: telemetry_raw.meminfo,
-    mavlink.MAVLINK_MSG_ID_SERVO_OUTPUT_RAW: telemetry_raw.servo_output_raw,
-    mavlink.MAVLINK_MSG_ID_RC_CHANNELS: telemetry_raw.rc_channels,
-    mavlink.MAVLINK_MSG_ID_AHRS: telemetry_raw.ahrs,
-    mavlink.MAVLINK_MSG_ID_AHRS2: telemetry_raw.ahrs2,
-    mavlink.MAVLINK_MSG_ID_SIMSTATE: telemetry_raw.simstate,
-    mavlink.MAVLINK_MSG_ID_WIND: telemetry_raw.wind,
-    mavlink.MAVLINK_MSG_ID_TERRAIN_REPORT: telemetry_raw.terrain_report,
-    mavlink.MAVLINK_MSG_ID_TERRAIN_REQUEST: telemetry_raw.terrain_request,
-    mavlink.MAVLINK_MSG_ID_VIBRATION: telemetry_raw.vibration,
-    mavlink.MAVLINK_MSG_ID_ESC_TELEMETRY_1_TO_4: telemetry_raw.esc_telemetry,
-    mavlink.MAVLINK_MSG_ID_TIMESYNC: telemetry.timesync,
-}
-KNOWN = frozenset(BUILDERS) - {mavlink.MAVLINK_MSG_ID_TIMESYNC}
-SENDABLE = KNOWN
+def _ids(*names: str) -> tuple[int, ...]:
+    return tuple(getattr(mavlink, f"MAVLINK_MSG_ID_{name}") for name in names)
+
 
 # REQUEST_DATA_STREAM: messages of each stream, in the order in which ArduCopter sends them
-_EXTRA1 = (mavlink.MAVLINK_MSG_ID_ATTITUDE, mavlink.MAVLINK_MSG_ID_SIMSTATE,
-           mavlink.MAVLINK_MSG_ID_AHRS2)  # fmt: skip
-_EXTENDED = (
-    mavlink.MAVLINK_MSG_ID_SYS_STATUS, mavlink.MAVLINK_MSG_ID_POWER_STATUS,
-    mavlink.MAVLINK_MSG_ID_MEMINFO, mavlink.MAVLINK_MSG_ID_NAV_CONTROLLER_OUTPUT,
-    mavlink.MAVLINK_MSG_ID_MISSION_CURRENT, mavlink.MAVLINK_MSG_ID_GPS_RAW_INT,
+_RAW = _ids("RAW_IMU", "SCALED_IMU2", "SCALED_IMU3", "SCALED_PRESSURE", "SCALED_PRESSURE2")
+_EXTENDED = _ids(
+    "SYS_STATUS", "POWER_STATUS", "MEMINFO", "NAV_CONTROLLER_OUTPUT", "MISSION_CURRENT",
+    "GPS_RAW_INT",
 )  # fmt: skip
-_POSITION = (mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT, mavlink.MAVLINK_MSG_ID_LOCAL_POSITION_NED)
-_RAW = (
-    mavlink.MAVLINK_MSG_ID_RAW_IMU, mavlink.MAVLINK_MSG_ID_SCALED_IMU2,
-    mavlink.MAVLINK_MSG_ID_SCALED_IMU3, mavlink.MAVLINK_MSG_ID_SCALED_PRESSURE,
-    mavlink.MAVLINK_MSG_ID_SCALED_PRESSURE2,
+_RC = _ids("SERVO_OUTPUT_RAW", "RC_CHANNELS")
+_POSITION = _ids("GLOBAL_POSITION_INT", "LOCAL_POSITION_NED")
+_EXTRA1 = _ids("ATTITUDE", "SIMSTATE", "AHRS2")
+_EXTRA2 = _ids("VFR_HUD")
+_EXTRA3 = _ids(
+    "AHRS", "SYSTEM_TIME", "WIND", "TERRAIN_REPORT", "BATTERY_STATUS", "EKF_STATUS_REPORT",
+    "VIBRATION", "ESC_TELEMETRY_1_TO_4",
 )  # fmt: skip
-_RC = (mavlink.MAVLINK_MSG_ID_SERVO_OUTPUT_RAW, mavlink.MAVLINK_MSG_ID_RC_CHANNELS)
-_EXTRA2 = (mavlink.MAVLINK_MSG_ID_VFR_HUD,)
-_EXTRA3 = (
-    mavlink.MAVLINK_MSG_ID_AHRS, mavlink.MAVLINK_MSG_ID_SYSTEM_TIME, mavlink.MAVLINK_MSG_ID_WIND,
-    mavlink.MAVLINK_MSG_ID_TERRAIN_REPORT, mavlink.MAVLINK_MSG_ID_BATTERY_STATUS,
-    mavlink.MAVLINK_MSG_ID_EKF_STATUS_REPORT, mavlink.MAVLINK_MSG_ID_VIBRATION,
-    mavlink.MAVLINK_MSG_ID_ESC_TELEMETRY_1_TO_4,
-)  # fmt: skip
-TERRAIN_REQUEST_S = 2.0
-STREAMS: dict[int, tuple[int, ...]] = {
+_STREAMS: dict[int, tuple[int, ...]] = {
+    0: (*_EXTRA1, *_POSITION, *_EXTENDED, *_EXTRA2, *_RC, *_RAW, *_EXTRA3),
     1: _RAW,
     2: _EXTENDED,
     3: _RC,
@@ -85,16 +43,84 @@ STREAMS: dict[int, tuple[int, ...]] = {
     11: _EXTRA2,
     12: _EXTRA3,
 }
-STREAMS[0] = (*_EXTRA1, *_POSITION, *_EXTENDED, *_EXTRA2, *_RC, *_RAW, *_EXTRA3)
+_WITH_TERRAIN = (0, 12)
 
 
-def request_stream(vehicle: Vehicle, m: Message, port: int) -> None:
-    """REQUEST_DATA_STREAM: start or stop the messages of a stream on the asking port."""
-    rate_hz = m.req_message_rate if m.start_stop == 1 else 0
-    period_s = 1.0 / rate_hz if rate_hz > 0 else 0.0
-    for message_id in STREAMS.get(m.req_stream_id, ()):
-        vehicle.ports[port].set_interval(message_id, period_s, vehicle.time_s)
-    if m.req_stream_id in (0, 12):
-        terrain_s = TERRAIN_REQUEST_S if period_s else 0.0
-        request = mavlink.MAVLINK_MSG_ID_TERRAIN_REQUEST
-        vehicle.ports[port].set_interval(request, terrain_s, vehicle.time_s)
+class Streams:
+    """Sends telemetry on the ports as often as each was asked to; heartbeats at once a second."""
+
+    def __init__(self, ports: Ports, clock: Clock, telemetry: Telemetry) -> None:
+        self._ports = ports
+        self._clock = clock
+        self._telemetry = telemetry
+        self.messages: dict[str, MessageHandler] = {"REQUEST_DATA_STREAM": self._request_stream}
+        self.commands: dict[int, CommandHandler] = {
+            mavlink.MAV_CMD_GET_MESSAGE_INTERVAL: self._get_interval,
+            mavlink.MAV_CMD_SET_MESSAGE_INTERVAL: self._set_interval,
+            mavlink.MAV_CMD_REQUEST_MESSAGE: self._request_message,
+            mavlink.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: self._capabilities,
+        }
+        for port in ports:
+            port.set_interval(mavlink.MAVLINK_MSG_ID_HEARTBEAT, 1.0, _FIRST_HEARTBEAT_S - 1.0)
+
+    @property
+    def next_s(self) -> float:
+        """When a message is due."""
+        return min(port.next_due_s() for port in self._ports)
+
+    def tick(self) -> None:
+        """Send what is due."""
+        for port in self._ports:
+            for message_id in port.pop_due(self._clock.time_s):
+                self._send(port.index, message_id)
+
+    def _send(self, port: int, message_id: int) -> None:
+        self._ports.send(port, getattr(self._telemetry, MESSAGES[message_id])())
+
+    def _request_stream(self, m: Message, port: int) -> None:
+        """Start or stop the messages of a stream on the asking port."""
+        rate_hz = m.req_message_rate if m.start_stop == 1 else 0
+        period_s = 1.0 / rate_hz if rate_hz > 0 else 0.0
+        now = self._clock.time_s
+        for message_id in _STREAMS.get(m.req_stream_id, ()):
+            self._ports[port].set_interval(message_id, period_s, now)
+        if m.req_stream_id in _WITH_TERRAIN:
+            request = mavlink.MAVLINK_MSG_ID_TERRAIN_REQUEST
+            self._ports[port].set_interval(request, _TERRAIN_REQUEST_S if period_s else 0.0, now)
+
+    def _get_interval(self, c: Command) -> int:
+        message_id = c.whole(0)
+        known = message_id in MESSAGES
+        found = 0
+        if known:
+            interval = self._ports[c.port].intervals.get(message_id)
+            found = -1 if interval is None else round(interval.period_s * 1e6)
+        answer = mavlink.MAVLink_message_interval_message(message_id & 0xFFFF, found)
+        self._ports.send(c.port, answer)
+        return ACCEPTED if known else FAILED
+
+    def _set_interval(self, c: Command) -> int:
+        if not (math.isfinite(c.p[0]) and math.isfinite(c.p[1])):
+            return DENIED
+        message_id, wanted_us = c.whole(0), c.p[1]
+        if message_id not in MESSAGES:
+            self._ports.text(INFO, f"No ap_message for mavlink id ({message_id})", c.port)
+            return DENIED
+        period_s = max(wanted_us, _FASTEST_US) * 1e-6 if wanted_us > 0 else 0.0
+        if wanted_us == 0 and message_id == mavlink.MAVLINK_MSG_ID_HEARTBEAT:
+            period_s = 1.0
+        self._ports[c.port].set_interval(message_id, period_s, self._clock.time_s)
+        return ACCEPTED
+
+    def _request_message(self, c: Command) -> int:
+        message_id = c.whole(0)
+        if message_id not in MESSAGES:
+            return FAILED
+        self._send(c.port, message_id)
+        return ACCEPTED
+
+    def _capabilities(self, c: Command) -> int:
+        if c.p[0] != 1:
+            return FAILED
+        self._ports.send(c.port, self._telemetry.autopilot_version())
+        return ACCEPTED

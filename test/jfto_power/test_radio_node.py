@@ -14,7 +14,7 @@ from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.events import ERROR, INFO, decode_event
 from jfto_power.radio_node import RadioNode
 from jfto_sim.air import Air, AirMember, FleetAir
-from jfto_sim.fleet import fleet
+from jfto_sim.config import fleet
 from jfto_sim.server import ServerSettings, SimServer
 from support.graph import Graph
 

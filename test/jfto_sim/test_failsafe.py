@@ -76,7 +76,7 @@ def test_low_then_critical_battery():
     pilot.run(10.5)
     assert pilot.vehicle.mode.number == LAND
     pilot.run(90.0)
-    assert not pilot.vehicle.arming.armed
+    assert not pilot.vehicle.flight.motors.armed
     pilot.command(176, 1, 4)
     assert pilot.command(400, 1) == m.MAV_RESULT_FAILED
     pilot.run(0.1)
@@ -129,7 +129,7 @@ def test_failed_motor():
     pilot.set_parameter("SIM_ENGINE_MUL", 0.2)
     pilot.run(6.0)
     assert pilot.vehicle.body.landed
-    assert pilot.vehicle.arming.armed
+    assert pilot.vehicle.flight.motors.armed
     assert pilot.vehicle.mode.number == AUTO
     assert {"Potential Thrust Loss (1)"} <= set(pilot.texts())
     assert any(t.startswith("SIM Hit ground at") for t in pilot.texts())
@@ -142,9 +142,9 @@ def test_idle_vehicle_disarms():
     pilot.command(176, 1, 4)
     pilot.command(400, 1)
     pilot.run(9.5)
-    assert pilot.vehicle.arming.armed
+    assert pilot.vehicle.flight.motors.armed
     pilot.run(1.0)
-    assert not pilot.vehicle.arming.armed
+    assert not pilot.vehicle.flight.motors.armed
 
 
 def test_disarm_in_flight_needs_force():

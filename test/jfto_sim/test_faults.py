@@ -87,8 +87,8 @@ def test_lines_reach_the_vehicle(stations):
     assert vehicle.params["SIM_GPS_DISABLE"] == 1
     assert vehicle.params["SIM_ENGINE_MUL"] == pytest.approx(0.2)
     assert vehicle.battery.voltage_v == pytest.approx(10.2)
-    assert vehicle.wind_mps == pytest.approx((5.0, 0.0))
-    assert vehicle.clock_drift_ppm == 50
+    assert vehicle.loop.wind_mps == pytest.approx((5.0, 0.0))
+    assert vehicle.clock.drift_ppm == 50
     apply(stations, "reboot 1")
     assert vehicle.boots == 2
     apply(stations, "kill 1")

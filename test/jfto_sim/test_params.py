@@ -7,7 +7,7 @@ import pytest
 from jfto_msgs_py.errors import InputError
 from jfto_sim import Vehicle, VehicleConfig
 from jfto_sim.dialect import mavlink as m
-from jfto_sim.params import Parameters, definitions
+from jfto_sim.parameters import Parameters, definitions
 from support.pilot import Pilot, PilotError
 
 

@@ -8,9 +8,9 @@ import pytest
 
 from jfto_msgs_py.errors import InputError
 from jfto_sim import VehicleConfig
+from jfto_sim.config import fleet
 from jfto_sim.dialect import mavlink as m
 from jfto_sim.endpoint import EndpointSpec
-from jfto_sim.fleet import fleet
 from jfto_sim.server import ServerSettings, SimServer, default_endpoints
 
 PATIENCE_S = 20.0

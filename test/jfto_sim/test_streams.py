@@ -109,12 +109,12 @@ def test_rates_belong_to_one_port(pilot):
 
 def test_every_message_of_the_table_can_be_encoded(pilot):
     """Each message that may be asked for is answered, on the ground and in the air."""
-    from jfto_sim.streams import SENDABLE
+    from jfto_sim.telemetry import MESSAGES
 
     for height in (0.0, 5.0):
         if height:
             pilot.take_off(height)
-        for message_id in sorted(SENDABLE):
+        for message_id in sorted(MESSAGES):
             assert pilot.command(REQUEST, message_id) == m.MAV_RESULT_ACCEPTED
 
 

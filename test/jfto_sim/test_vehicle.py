@@ -227,6 +227,7 @@ def test_wild_missions_are_flown_or_refused():
     pilot = Pilot(Vehicle(VehicleConfig(parameters={"CAM1_TYPE": 1, "MNT1_TYPE": 1})))
     pilot.take_off(10.0)
     vehicle = pilot.vehicle
+    lat, lon = vehicle.flight.position.origin
     for _ in range(40):
         items = []
         for _ in range(6):
@@ -236,8 +237,8 @@ def test_wild_missions_are_flown_or_refused():
                 Item(
                     int(rng.choice(commands)), int(rng.choice([0, 3, 6, 10])),
                     tuple(float(rng.choice(wild)) for _ in range(4)),
-                    vehicle.origin[0] + int(rng.integers(-spread, spread)) if near else 0,
-                    vehicle.origin[1] + int(rng.integers(-spread, spread)),
+                    lat + int(rng.integers(-spread, spread)) if near else 0,
+                    lon + int(rng.integers(-spread, spread)),
                     float(rng.choice([0.0, 5.0, 20.0, -30.0])),
                 )
             )  # fmt: skip

@@ -134,7 +134,7 @@ class Pilot:
         end = self.vehicle.total_s + 20.0 + height_m
         while self.vehicle.total_s < end:
             self.run(1.0)
-            if abs(self.vehicle.height_above_home_m - height_m) < 0.3:
+            if abs(self.vehicle.flight.position.from_home_m[2] - height_m) < 0.3:
                 self.run(5.0)
                 return
         raise PilotError(f"The vehicle did not reach {height_m:g} m.")

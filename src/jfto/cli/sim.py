@@ -78,7 +78,7 @@ def command(
     """
     import time
 
-    from jfto_sim.fleet import fleet
+    from jfto_sim.config import fleet
     from jfto_sim.server import ServerSettings, SimServer, default_endpoints
 
     configs = fleet(

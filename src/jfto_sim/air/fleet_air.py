@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,9 +11,7 @@ from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.types import Array
 from jfto_sim.air.air import Air
 from jfto_sim.geodesy import UNITS_PER_DEGREE
-
-if TYPE_CHECKING:
-    from jfto_sim.vehicle import Vehicle
+from jfto_sim.vehicle import Vehicle
 
 # ENU metres (A, 3) of latitudes, longitudes (degrees) and heights above sea level (m), all (A,).
 ToEnu = Callable[[Array, Array, Array], Array]
@@ -44,13 +41,15 @@ class FleetAir:
             return
         dt_s = 0.0 if self._last_s is None else now_s - self._last_s
         self._last_s = now_s
-        places = np.array([vehicle.place() for vehicle in vehicles]) / UNITS_PER_DEGREE
+        places = (
+            np.array([vehicle.flight.position.true() for vehicle in vehicles]) / UNITS_PER_DEGREE
+        )
         heights = np.array([v.config.home_alt_m + v.body.position_m[2] for v in vehicles])
         self.latest = self.air.step(
             dt_s,
             self._to_enu(places[:, 0], places[:, 1], heights),
             switched_on=np.array([not vehicle.dead for vehicle in vehicles]),
-            metered=any(vehicle.arming.armed and not vehicle.dead for vehicle in vehicles),
+            metered=any(vehicle.flight.motors.armed and not vehicle.dead for vehicle in vehicles),
             stamp_ns=1000 * max(v.config.utc_at_boot_us + round(v.total_s * 1e6) for v in vehicles),
         )
 

@@ -1,12 +1,16 @@
-"""Mission items as the vehicle stores them: what it accepts, what it keeps, what it reads back."""
+"""Mission items as the vehicle stores them: what it accepts, keeps and reads back; the lists."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from jfto_sim.dialect import Message, mavlink
-from jfto_sim.params import as_float32
+from jfto_sim.parameters import as_float32
+
+MISSION, FENCE, RALLY = 0, 1, 2
+MISSION_CAPACITY = 650
+CAPACITY = {MISSION: MISSION_CAPACITY, FENCE: 83, RALLY: 19}
 
 LOCATION_ALT_MAX_M = 83000.0
 _DEGREES_MAX = 200.0  # below what 1e-7 degree in 32 bits can hold
@@ -165,3 +169,39 @@ def _kept_radius(radius_m: float) -> float:
 def with_home(home: tuple[int, int, float]) -> Item:
     """Item 0: home."""
     return Item(WAYPOINT, GLOBAL, (0.0, 0.0, 0.0, 0.0), home[0], home[1], home[2])
+
+
+@dataclass
+class Store:
+    """Items by mission type; they outlive a restart."""
+
+    lists: dict[int, list[Item]] = field(
+        default_factory=lambda: {MISSION: [], FENCE: [], RALLY: []}
+    )
+
+    def count(self, kind: int) -> int:
+        """How many items a list holds."""
+        return len(self.lists[kind])
+
+    @property
+    def mission(self) -> list[Item]:
+        """The mission, home included as item 0."""
+        return self.lists[MISSION]
+
+    def truncate(self, count: int) -> bool:
+        """Shorten the mission; true if that changed it."""
+        if count >= len(self.mission):
+            return False
+        del self.mission[count:]
+        return True
+
+    def put(self, seq: int, item: Item) -> None:
+        """Replace or append one mission item."""
+        if seq < len(self.mission):
+            self.mission[seq] = item
+        else:
+            self.mission.append(item)
+
+    def replace(self, kind: int, items: list[Item]) -> None:
+        """Replace a whole fence or rally list."""
+        self.lists[kind] = items

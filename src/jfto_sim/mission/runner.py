@@ -10,8 +10,7 @@ from __future__ import annotations
 from enum import Enum
 from typing import Protocol
 
-from jfto_sim.mission.items import JUMP, Item
-from jfto_sim.mission.store import Store
+from jfto_sim.mission.items import JUMP, Item, Store
 
 FIRST = 1
 _LOOPS_PER_STEP = 8

@@ -7,16 +7,18 @@ the S-curve and the corner overlap come from `jfto_world.motion.arducopter`.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from jfto_sim.motion.body import Body
 from jfto_sim.motion.leg import Leg, Vector
 from jfto_sim.motion.shaping import LevelTarget, stopping_point
 from jfto_world.motion.arducopter.leg_profile import half_overlap_s, planner_limits
-from jfto_world.motion.arducopter.wpnav import WpNav
+from jfto_world.motion.arducopter.wpnav import Airframe, WpNav
 
 _SHAPE_JERK_MPS3 = 5.0
 # the position estimate wanders, so that a leg to where the vehicle hovers still takes 1.8 s
 _WANDER_M = 0.065
+_WARM_UP_STEP_S, _WARM_UP_STEPS = 0.01, 10
 
 
 class WaypointNav:
@@ -164,3 +166,23 @@ class WaypointNav:
         x, y, _ = self.body.position_m
         east, north = self.destination[0] - x, self.destination[1] - y
         return math.degrees(math.atan2(east, north)) % 360.0
+
+
+def warm_up() -> None:
+    """Fly a short leg with a corner and a change of speed on no one's account.
+
+    The first use of the motion kernels on a machine compiles them, which takes seconds and stops
+    every thread of the process: a vehicle must not fall silent for that in the air.
+    """
+    wpnav = WpNav()
+    body = Body(Airframe(), 0.0)
+    nav = WaypointNav(body, wpnav)
+    body.lift_off()
+    nav.begin((0.0, 0.0, 10.0))
+    nav.set_destination((0.0, 40.0, 10.0))
+    nav.set_next((40.0, 40.0, 20.0))
+    for step in range(_WARM_UP_STEPS):
+        if step == _WARM_UP_STEPS // 2:
+            nav.set_limits(replace(wpnav, speed_mps=wpnav.speed_mps / 2))
+        nav.step(_WARM_UP_STEP_S)
+        body.fly((0.0, 0.0), _WARM_UP_STEP_S)

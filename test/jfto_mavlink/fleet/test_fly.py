@@ -203,7 +203,7 @@ def test_a_vehicle_that_does_not_arm_holds_the_others_back(plan):
     original = runner.vehicles["uav2"].arming.arm
 
     def refuse(*_args, **_kwargs):
-        runner.vehicles["uav2"].text(2, "Arm: Compass not healthy")
+        runner.vehicles["uav2"].ports.text(2, "Arm: Compass not healthy")
         return False
 
     runner.vehicles["uav2"].arming.arm = refuse

@@ -95,7 +95,7 @@ def test_a_mode_that_this_station_ordered_is_no_news(flight):
     flight.runner.run({"uav1": return_home})
     flight.runner.advance(3.0)
     assert [n.kind for n in flight.notices] == ["lift_off"]
-    flight.vehicles["uav2"].set_mode(MODES["LOITER"])
+    flight.vehicles["uav2"].modes.set(MODES["LOITER"])
     flight.runner.advance(3.0)
     (text,) = flight.told("mode", "uav2")
     assert text == (

@@ -9,7 +9,7 @@ import pytest
 from jfto_mavlink.dialect import mavlink
 from jfto_mavlink.fleet.flight_state import FlightState, read_flight_state, write_flight_state
 from jfto_mavlink.flight.control import pause, resume, return_home
-from jfto_sim.modes.numbers import Mode
+from jfto_sim.modes.mode import Mode
 from support.watched_flight import Flight
 
 COMMAND_LONG = mavlink.MAVLINK_MSG_ID_COMMAND_LONG

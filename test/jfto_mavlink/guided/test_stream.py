@@ -103,7 +103,7 @@ class Flight:
 
     def where_m(self) -> np.ndarray:
         """True position in the map: what the simulator knows, not what it reports."""
-        lat, lon, _ = self.sim.reported_position()
+        lat, lon, _ = self.sim.flight.position.reported()
         return self.map.position_m(lat / 1e7, lon / 1e7, self.sim.body.position_m[2])
 
     def speed_mps(self) -> float:

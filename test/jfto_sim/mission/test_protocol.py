@@ -6,8 +6,7 @@ import pytest
 
 from jfto_sim import Vehicle
 from jfto_sim.dialect import mavlink as m
-from jfto_sim.mission.items import Item
-from jfto_sim.mission.store import MISSION_CAPACITY
+from jfto_sim.mission.items import MISSION_CAPACITY, Item
 from support.pilot import Pilot
 
 LAT, LON = 473977420, 85455940

@@ -73,7 +73,7 @@ def test_set_mode_auto_does_not_lift_off(pilot):
     pilot.command(176, 1, 3)
     pilot.run(11.0)
     assert pilot.vehicle.body.landed
-    assert not pilot.vehicle.arming.armed
+    assert not pilot.vehicle.flight.motors.armed
     assert pilot.texts().count("Mission: 1 Takeoff") == 2
 
 

@@ -69,7 +69,7 @@ def test_global_targets_drop_the_acceleration(pilot):
     """With a position, the acceleration of the global form counts for nothing."""
     pilot.send(
         m.MAVLink_set_position_target_global_int_message(
-            0, 1, 1, 6, 0xC00, *pilot.vehicle.origin, 10.0, 0, 0, 0, 9, 9, 9, 0, 0
+            0, 1, 1, 6, 0xC00, *pilot.vehicle.flight.position.origin, 10.0, 0, 0, 0, 9, 9, 9, 0, 0
         )
     )
     pilot.run(0.1)
@@ -91,8 +91,8 @@ def test_reposition_and_yaw(pilot):
     """DO_REPOSITION flies there; a streamed heading is reached in about two seconds."""
     pilot.send(
         m.MAVLink_command_int_message(
-            1, 1, 6, 192, 0, 0, -1, 1, 0, 0, pilot.vehicle.origin[0] + 2000,
-            pilot.vehicle.origin[1], 15.0,
+            1, 1, 6, 192, 0, 0, -1, 1, 0, 0, pilot.vehicle.flight.position.origin[0] + 2000,
+            pilot.vehicle.flight.position.origin[1], 15.0,
         )
     )  # fmt: skip
     pilot.run(20.0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from jfto_sim.motion.warm_up import warm_up
+from jfto_sim.motion.waypoint_nav import warm_up
 from jfto_world.motion.arducopter import follower, leg_profile
 
 

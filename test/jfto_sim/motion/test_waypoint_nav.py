@@ -10,7 +10,7 @@ from jfto_sim import Vehicle, VehicleConfig
 from jfto_sim.dialect import mavlink as m
 from jfto_sim.geodesy import move
 from jfto_sim.mission.items import Item
-from jfto_sim.modes.numbers import Mode
+from jfto_sim.modes.mode import Mode
 from support.pilot import Pilot
 
 DATA = Path(__file__).parents[2] / "data" / "timing"

@@ -1,13 +1,21 @@
-"""One serial port of the vehicle: framing in both directions, signing, message intervals."""
+"""The vehicle's serial ports: framing in both directions, signing, message intervals, sending."""
 
 from __future__ import annotations
 
 import heapq
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 
-from jfto_sim.dialect import Message, mavlink, mavlink1
+from jfto_sim.clock import Clock
+from jfto_sim.dialect import TEXT_LENGTH, Message, mavlink, mavlink1
 from jfto_sim.signing import SigningCheck, SigningKey
+
+# A port's number and the bytes that leave through it.
+Frame = tuple[int, bytes]
+# Acts on a message that came in on a port.
+MessageHandler = Callable[[Message, int], None]
+
+_BEFORE_ACKNOWLEDGEMENT = "MESSAGE_INTERVAL"
 
 
 def _without_extensions(message: Message) -> Message:
@@ -30,7 +38,6 @@ class Interval:
     due_s: float
 
 
-@dataclass
 class Port:
     """State of one port. `active` becomes true when something valid is heard on it.
 
@@ -38,24 +45,19 @@ class Port:
     maps message ids to their periods and is lost at a restart, like everything here.
     """
 
-    index: int
-    sysid: int
-    key: SigningKey
-    mavlink1: bool = False
-    active: bool = False
-    intervals: dict[int, Interval] = field(default_factory=dict)
-    heap: list[tuple[float, int]] = field(default_factory=list)
-    refused: int = 0
-    _codec: Any = None
-    _reader: Any = None
-    _check: SigningCheck | None = None
-
-    def __post_init__(self) -> None:
-        self._codec = mavlink.MAVLink(None, srcSystem=self.sysid, srcComponent=1)
+    def __init__(self, index: int, sysid: int, key: SigningKey, *, mavlink1: bool = False) -> None:
+        self.index = index
+        self.key = key
+        self.mavlink1 = mavlink1
+        self.active = False
+        self.refused = 0
+        self.intervals: dict[int, Interval] = {}
+        self._heap: list[tuple[float, int]] = []
+        self._codec = mavlink.MAVLink(None, srcSystem=sysid, srcComponent=1)
         # apart from the writer, whose key would make the library check signatures by itself
         self._reader = mavlink.MAVLink(None)
         self._reader.robust_parsing = True
-        self._check = SigningCheck(self.key)
+        self._check = SigningCheck(key)
 
     def decode(self, data: bytes) -> list[Message]:
         """Valid messages in a chunk of bytes; noise and refused frames are counted, not raised."""
@@ -69,7 +71,6 @@ class Port:
         return messages
 
     def _allowed(self, message: Message) -> bool:
-        assert self._check is not None
         taken = self._check.accepts(bytes(message.get_msgbuf()), message.get_msgId())
         return taken or self.index == 0
 
@@ -98,25 +99,80 @@ class Port:
             return
         due = now_s + period_s
         self.intervals[message_id] = Interval(period_s, due)
-        heapq.heappush(self.heap, (due, message_id))
+        heapq.heappush(self._heap, (due, message_id))
 
     def next_due_s(self) -> float:
         """When the next streamed message is due, infinite if none is."""
-        while self.heap:
-            due, message_id = self.heap[0]
+        while self._heap:
+            due, message_id = self._heap[0]
             interval = self.intervals.get(message_id)
             if interval is not None and interval.due_s == due:
                 return due
-            heapq.heappop(self.heap)
+            heapq.heappop(self._heap)
         return float("inf")
 
     def pop_due(self, now_s: float) -> list[int]:
         """Ids of the messages that are due, in order; their next times are set."""
         ready = []
         while self.next_due_s() <= now_s + 1e-9:
-            due, message_id = heapq.heappop(self.heap)
+            due, message_id = heapq.heappop(self._heap)
             interval = self.intervals[message_id]
             interval.due_s = due + interval.period_s
-            heapq.heappush(self.heap, (interval.due_s, message_id))
+            heapq.heappush(self._heap, (interval.due_s, message_id))
             ready.append(message_id)
         return ready
+
+
+class Ports:
+    """All ports of a vehicle. What is sent through them is appended to `out`, in order."""
+
+    def __init__(self, ports: Sequence[Port], key: SigningKey, clock: Clock, out: list[Frame]):
+        self._ports = list(ports)
+        self._key = key
+        self._clock = clock
+        self._out = out
+        self._held: list[tuple[int, Message]] | None = None
+
+    def __getitem__(self, index: int) -> Port:
+        return self._ports[index]
+
+    def __iter__(self) -> Iterator[Port]:
+        return iter(self._ports)
+
+    def __len__(self) -> int:
+        return len(self._ports)
+
+    def send(self, port: int, message: Message) -> None:
+        """Send a message on one port."""
+        if self._held is not None and message.get_type() != _BEFORE_ACKNOWLEDGEMENT:
+            self._held.append((port, message))
+            return
+        if self._key.active:
+            self._key.advance_to(self._clock.utc_us)
+        frame = self._ports[port].encode(message)
+        if frame:
+            self._out.append((port, frame))
+
+    def broadcast(self, message: Message, *, everywhere: bool = False) -> None:
+        """Send on every port on which something has been heard, or on all."""
+        for port in self._ports:
+            if everywhere or port.active:
+                self.send(port.index, message)
+
+    def text(self, severity: int, text: str, port: int | None = None) -> None:
+        """STATUSTEXT to one port or to all that have been heard."""
+        message = mavlink.MAVLink_statustext_message(severity, text.encode()[:TEXT_LENGTH])
+        if port is None:
+            self.broadcast(message)
+        else:
+            self.send(port, message)
+
+    def acknowledge(self, m: Message, port: int, number: int, action: Callable[[], int]) -> None:
+        """Carry out a command; its COMMAND_ACK goes out before all that is sent meanwhile."""
+        self._held = []
+        result = action()
+        held, self._held = self._held, None
+        sender = (m.get_srcSystem(), m.get_srcComponent())
+        self.send(port, mavlink.MAVLink_command_ack_message(number, result, 0, 0, *sender))
+        for at, message in held:
+            self.send(at, message)

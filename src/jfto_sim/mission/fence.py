@@ -1,14 +1,40 @@
-"""Which fence the vehicle has crossed."""
+"""Fences: whether a list of items makes whole figures, and which fence the vehicle has crossed."""
 
 from __future__ import annotations
 
 import math
 
 from jfto_sim.geodesy import offset_m
-from jfto_sim.mission.store import CIRCLE_IN, CIRCLE_OUT, FENCE, POLYGON_IN, POLYGON_OUT, Store
-from jfto_sim.params import Parameters
+from jfto_sim.mission.items import FENCE, Item, Store
+from jfto_sim.parameters import Parameters
 
+POLYGON_IN, POLYGON_OUT, CIRCLE_IN, CIRCLE_OUT, RETURN_POINT = 5001, 5002, 5003, 5004, 5000
+_CORNERS_MIN, _CORNERS_MAX = 3, 255
 ALT_MAX, CIRCLE, POLYGON, ALT_MIN = 1, 2, 4, 8
+
+
+def fence_fault(items: list[Item]) -> str:
+    """What keeps fence items from making whole figures, empty if they do."""
+    left, kind, size = 0, 0, 0.0
+    for item in items:
+        if item.command in (POLYGON_IN, POLYGON_OUT):
+            if left == 0:
+                size = item.params[0]
+                if not _CORNERS_MIN <= size <= _CORNERS_MAX:
+                    return f"Invalid vertex count ({size:.0f})"
+                left, kind = int(size), item.command
+            elif item.command != kind or item.params[0] != size:
+                return "Unexpected vertex"
+            left -= 1
+        elif left or item.command not in (CIRCLE_IN, CIRCLE_OUT, RETURN_POINT):
+            return "Unexpected fence item"
+    return "Incomplete polygon" if left else ""
+
+
+def fence_size(items: list[Item]) -> int:
+    """FENCE_TOTAL: the corners and circles, and two more for each polygon."""
+    polygons = sum(1.0 / i.params[0] for i in items if i.command in (POLYGON_IN, POLYGON_OUT))
+    return len(items) + 2 * round(polygons)
 
 
 def breach(
