@@ -273,7 +273,7 @@ def main() -> int:
         for number, run in enumerate(runs, 1):
             directory = top / f"run{number:02d}-{run.kind}"
             directory.mkdir()
-            domain = (os.getpid() + number) % 200 + 1
+            domain = (os.getpid() + number) % 100 + 1
             heard = fly(run, directory, plan, domain, options.speedup)
             judge(run, heard, directory / "run")
             tell(number, run)

@@ -151,7 +151,7 @@ def graph(domain: int, slots: int, horizon_s: float, *options: str) -> Iterator[
 
 def latency(slots: int) -> None:
     """Print the latency from the last pose to adjacency and schedule."""
-    domain = os.getpid() % 200 + 1
+    domain = os.getpid() % 100 + 1
     watcher = Watcher(domain)
     clock = watcher.node.create_publisher(Clock, "/clock", 10)
     poses = [
@@ -210,7 +210,7 @@ def _pose(plan: object, now_ns: int) -> object:
 
 def memory(minutes: float) -> None:
     """Print how the resident memory of each process grows, with the bridge and a recorder."""
-    domain = os.getpid() % 200 + 1
+    domain = os.getpid() % 100 + 1
     watcher = Watcher(domain)
     poses: list[object] = []
     watcher.node.create_subscription(PoseStamped, topics.pose(IDS[0]), poses.append, qos.sensor())
@@ -243,7 +243,7 @@ def _resident_mb(pid: int) -> float:
 
 def heal(kills: int, seed: int) -> None:
     """Print how long the graph takes to be whole after a kill."""
-    domain = os.getpid() % 200 + 1
+    domain = os.getpid() % 100 + 1
     rng = random.Random(seed)
     watcher = Watcher(domain)
     with graph(domain, 3600, 3600.0, "--poses", "plan", "--start-delay", "1") as out:

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -141,9 +142,9 @@ def _run(make: Callable[[], Any], arguments: Arguments) -> int:
     except RosMissingError as error:
         print(error, file=sys.stderr)
         return error.exit_status
-    from jfto_msgs_py.ros.run_node import run_node
+    from jfto_msgs_py.ros.run_node import end_process, run_node
 
-    return run_node(make, arguments)
+    return end_process(run_node(make, arguments))
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -151,6 +152,9 @@ def main(arguments: Sequence[str]) -> int:
     if not arguments or arguments[0] not in NODES:
         print(f"Name a node: {', '.join(NODES)}.", file=sys.stderr)
         return 2
+    # A node that is told to stop while it is still being loaded has nothing to keep.
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: sys.exit(0))
     die_with_parent()
     return NODES[arguments[0]](arguments)
 

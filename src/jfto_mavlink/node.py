@@ -84,6 +84,8 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
     `open_simulated` makes simulated vehicles, `ground_of` knows a scenario's terrain.
     """
 
+    answers_later = True
+
     def __init__(
         self,
         open_simulated: OpenSimulated | None = None,

@@ -38,6 +38,8 @@ PlanFunction = Callable[[Scenario, Progress], Plan]
 class PlannerNode(GraphNode[PlannerOptions]):
     """Plans the scenario of its parameters with `plan`, or loads a plan with `load`."""
 
+    answers_later = True
+
     def __init__(
         self,
         plan: PlanFunction | None = None,

@@ -196,7 +196,7 @@ def test_the_process_ends_when_it_is_told_to(plan_file, sent):
     environment = {
         **os.environ,
         "PYTHONPATH": os.pathsep.join(sys.path),
-        "ROS_DOMAIN_ID": str(os.getpid() % 200 + 1),
+        "ROS_DOMAIN_ID": str(os.getpid() % 100 + 1),
     }
     with subprocess.Popen(
         command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True

@@ -82,7 +82,7 @@ class _Topology:
 @pytest.fixture
 def graph():
     """A graph with simulated time."""
-    with Graph() as found:
+    with Graph(answers_later=False) as found:
         yield found
 
 

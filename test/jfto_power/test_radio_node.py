@@ -24,7 +24,7 @@ IDS = ("uav1", "uav2", "uav3")
 @pytest.fixture
 def graph():
     """A graph with time of its own."""
-    with Graph() as found:
+    with Graph(answers_later=False) as found:
         yield found
 
 

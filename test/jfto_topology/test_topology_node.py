@@ -76,7 +76,7 @@ class _Fleet:
 @pytest.fixture
 def graph():
     """A graph with simulated time."""
-    with Graph() as found:
+    with Graph(answers_later=False) as found:
         yield found
 
 

@@ -34,7 +34,10 @@ class GraphNode(LifecycleNode, Generic[Options]):
 
     A subclass makes its publishers, subscriptions, services and timers in `build`; they go when
     the node is cleaned up, or when parameters have changed by the time it is activated.
+    `answers_later` says that services of it answer when something has been done: by coroutines.
     """
+
+    answers_later = False
 
     def __init__(self, name: str, options_type: type[Options], **arguments: Any) -> None:
         super().__init__(name, automatically_declare_parameters_from_overrides=True, **arguments)
