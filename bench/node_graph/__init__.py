@@ -1,0 +1,1 @@
+"""What bench/graph.py measures of the node graph."""
