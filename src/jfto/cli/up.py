@@ -14,6 +14,7 @@ import click
 from jfto.cli.mission_options import PATH, key_option, roster_texts, speedup_option
 from jfto.cli.options import debug_option, load, out_option, scenario_argument, set_option
 from jfto.supervision.graph_table import HORIZON_SLOTS, START_DELAY_S
+from jfto_msgs_py.ros.installation import require_ros
 
 if TYPE_CHECKING:
     from jfto.planning.scenario_file import LoadedScenario
@@ -94,6 +95,7 @@ def command(
               jfto service call /jfto/mission/upload std_srvs/srv/Trigger
               jfto service call /jfto/mission/start std_srvs/srv/Trigger
     """
+    require_ros()
     loaded = load(scenario, overrides)
 
     from jfto.supervision.graph import graph_commands
