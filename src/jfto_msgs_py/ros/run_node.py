@@ -32,7 +32,7 @@ class Ending:
     """
 
     def __init__(self) -> None:
-        self._status = EXIT_FORCED
+        self._status = 0
         self._read, write = os.pipe()
         os.set_blocking(write, False)
         for number in (signal.SIGINT, signal.SIGTERM):
@@ -40,8 +40,11 @@ class Ending:
         signal.set_wakeup_fd(write, warn_on_full_buffer=False)
         threading.Thread(target=self._wait, name="ending", daemon=True).start()
 
-    def settled(self, status: int) -> None:
-        """What the process has to keep is kept: from here on `status` is how it ends."""
+    def end_with(self, status: int) -> None:
+        """Status of a process that has to be ended from here on.
+
+        0 while there is nothing to lose: before the node works, and when it has been released.
+        """
         self._status = status
 
     def _wait(self) -> None:
@@ -79,6 +82,7 @@ def run_node(make: Callable[[], Any], arguments: Sequence[str] | None = None) ->
         gc.freeze()
         executor = make_executor(answers_later=node.answers_later)
         executor.add_node(node)
+        ending.end_with(EXIT_FORCED)
         _spin(node, executor)
     except ExternalShutdownException:
         pass
@@ -93,7 +97,7 @@ def run_node(make: Callable[[], Any], arguments: Sequence[str] | None = None) ->
     finally:
         if node is not None:
             node.released()
-            ending.settled(status)
+            ending.end_with(status)
             node.destroy_node()
         rclpy.try_shutdown()
     return status
