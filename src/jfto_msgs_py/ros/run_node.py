@@ -17,7 +17,7 @@ from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedE
 from jfto_msgs_py.errors import JftoError, ScenarioError
 
 # How long a node may take to end after it was told to; then it is ended as it is.
-END_S = 1.8
+END_S = 1.5
 _SPIN_S = 1.0
 EXIT_FORCED = 1
 
