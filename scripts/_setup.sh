@@ -71,18 +71,24 @@ END
 }
 
 set_up() {
-    local python log begin seconds
+    local python extras log begin seconds
     python=$(find_python)
     need_venv_module "$python"
     begin=$SECONDS
     log=$venv/setup.log
     printf 'Setting up .venv (once; log in .venv/setup.log) … '
-    # A .venv that an interrupted run left half made cannot even start pip.
+    extras=$(extras "$python")
+    # A .venv that an interrupted run left half made cannot even start pip; one with the wheels of
+    # ROS 2 is not for a shell that has sourced another.
     "$venv/bin/python" -m pip --version >/dev/null 2>&1 || rm -rf "$venv"
+    case $extras in
+        *ros*) ;;
+        *) ! compgen -G "$venv/lib/python3*/site-packages/ros_rclpy-*" >/dev/null || rm -rf "$venv" ;;
+    esac
     [ -d "$venv" ] || "$python" -m venv "$venv" || fail "" "$python could not make $venv."
     rm -f "$venv/stamp"
     if ! "$venv/bin/python" -m pip install --disable-pip-version-check --quiet \
-        --constraint constraints.txt --editable ".[$(extras "$python")]" >"$log" 2>&1; then
+        --constraint constraints.txt --editable ".[$extras]" >"$log" 2>&1; then
         fail "failed." "$(grep -iE '^ *error' "$log" | tail -n 5)" \
             "Check the network connection and the log .venv/setup.log, then run this again."
     fi

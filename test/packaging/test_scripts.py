@@ -63,7 +63,7 @@ def test_an_unsupported_python_is_named(checkout: Path) -> None:
     """Without a supported Python the script says which ones are."""
     done = _demo(checkout, "exit 1")
     assert done.returncode == 1
-    assert "JFTO needs Python 3.10, 3.11 or 3.12" in done.stderr
+    assert "JFTO needs Python 3.10 to 3.13" in done.stderr
 
 
 def test_a_failed_installation_shows_its_errors_and_is_retried(checkout: Path) -> None:
