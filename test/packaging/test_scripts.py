@@ -78,3 +78,22 @@ def test_a_failed_installation_shows_its_errors_and_is_retried(checkout: Path) -
     assert "ERROR: no network" in done.stderr
     assert ".venv/setup.log" in done.stderr
     assert not (checkout / ".venv" / "stamp").exists()
+
+
+@pytest.mark.parametrize("sourced", [False, True])
+def test_the_wheels_of_ros_come_only_where_no_ros_is(checkout: Path, sourced: bool) -> None:
+    """Where `import rclpy` works before the set-up, the extra is left out and old wheels go."""
+    make_venv = f"mkdir -p {checkout}/.venv/bin; cp $0 {checkout}/.venv/bin/python;"
+    old = checkout / ".venv/lib/python3.12/site-packages/ros_rclpy-7.1.6.dist-info"
+    old.mkdir(parents=True)
+    done = _demo(
+        checkout,
+        f'case "$*" in *"import rclpy"*) exit {int(not sourced)};; '
+        '*"pip --version"*) exit 0;; '
+        f'*"pip install"*) echo "$*"; echo "ERROR: enough seen"; exit 1;; '
+        f'*"venv {checkout}"*) {make_venv} exit 0;; esac',
+    )
+    log = (checkout / ".venv/setup.log").read_text()
+    assert done.returncode == 1
+    assert (".[bench,dev,ros]" in log) is not sourced
+    assert not (sourced and old.exists())
