@@ -39,8 +39,9 @@ from rosgraph_msgs.msg import Clock  # noqa: E402
 from std_msgs.msg import Float64MultiArray  # noqa: E402
 
 from jfto.bag.reader import Bag  # noqa: E402
+from jfto_msgs_py.records.event import Event  # noqa: E402
 from jfto_msgs_py.ros import qos, topics  # noqa: E402
-from jfto_msgs_py.ros.events import Event, decode_event  # noqa: E402
+from jfto_msgs_py.ros.events import decode_event  # noqa: E402
 from jfto_msgs_py.ros.stamps import decode_time  # noqa: E402
 
 LIMIT_S = 900.0

@@ -10,18 +10,17 @@ from pathlib import Path
 
 from jfto.simulated_fleet import PadGround, Place, vehicle_configs
 from jfto_mavlink.errors import RosterError
-from jfto_mavlink.fleet.changes import Event
 from jfto_mavlink.fleet.fly import Runner
-from jfto_mavlink.fleet.link import FleetLink
-from jfto_mavlink.fleet.roster import Roster, RosterEntry, parse_roster
+from jfto_mavlink.fleet.link import FleetLink, LinkSettings
+from jfto_mavlink.fleet.roster import Roster, RosterEntry, parse_vehicles
 from jfto_mavlink.io.address import free_udp_port, parse_address
-from jfto_mavlink.io.signing import Signer, StampFile, read_key
+from jfto_mavlink.io.signing import load_signer
 from jfto_mavlink.protocol.setup import DEFAULT_RATES
 from jfto_mavlink.protocol.timesync import Clock, ScaledClock
+from jfto_msgs_py.records.event import Event
 from jfto_sim.server import ServerSettings, SimServer
 
 HEARD_WAIT_S = 30.0
-SIMULATED = "sim:"
 
 
 @dataclass(frozen=True)
@@ -49,32 +48,24 @@ def open_fleet(
 ) -> Iterator[FleetSession]:
     """Open a fleet and wait until all of it is heard.
 
-    `vehicles` is ("sim:N",), whose vehicles stand on `pads` (UAV name: latitude, longitude, height
-    above sea level) over `grounds` and run `speedup` times faster than the clock, or entries of a
-    roster such as uav1=1@udpin:0.0.0.0:14550. With `complete` off, real vehicles that are not
-    heard are no reason to stop: the others can still be called home. Raises RosterError, LinkError,
-    SigningError.
+    `vehicles` is ("sim",), whose vehicles stand on `pads` (UAV name: latitude, longitude, height
+    above sea level) over `grounds` and run `speedup` times faster than the clock, or links or
+    entries of a roster as `parse_vehicles` takes them. With `complete` off, real vehicles that are
+    not heard are no reason to stop: the others can still be called home. Raises RosterError,
+    LinkError, SigningError.
     """
-    if len(vehicles) == 1 and vehicles[0].startswith(SIMULATED):
+    roster = parse_vehicles(vehicles, tuple(pads))
+    if roster is None:
         if key_file is not None:
             raise RosterError(201, "simulated vehicles start without a key; leave --key out.")
-        with _simulated(
-            vehicles[0], pads, grounds or {}, speedup, log_directory, on_event, rates
-        ) as session:
+        with _simulated(pads, grounds or {}, speedup, log_directory, on_event, rates) as session:
             yield session
         return
     if speedup != 1.0:
         raise RosterError(201, "--speedup is for simulated vehicles (sim:N); real ones keep time.")
-    roster = parse_roster(vehicles)
-    missing = set(pads) ^ set(roster.uavs)
-    if pads and missing:
-        raise RosterError(
-            205, f"{', '.join(sorted(missing))}: in the plan or in the roster, not in both."
-        )
     signer = None if key_file is None else load_signer(key_file)
-    with FleetLink(
-        roster, signer=signer, log_directory=log_directory, rates=rates, on_event=on_event
-    ) as bridge:
+    settings = LinkSettings(signer=signer, rates=rates, log_directory=log_directory)
+    with FleetLink(roster, settings, on_event=on_event) as bridge:
         if complete:
             bridge.wait_heard(HEARD_WAIT_S)
         else:
@@ -83,15 +74,8 @@ def open_fleet(
         yield FleetSession(bridge, bridge.clock, time.time, simulated=False)
 
 
-def load_signer(key_file: Path) -> Signer:
-    """The signer of a key file, whose time stamps never go back over restarts."""
-    stamps = StampFile(key_file)
-    return Signer(read_key(key_file), time.time, stamps.load(), stamps.save)
-
-
 @contextmanager
 def _simulated(
-    text: str,
     pads: Mapping[str, Place],
     grounds: Mapping[str, PadGround],
     speedup: float,
@@ -99,11 +83,6 @@ def _simulated(
     on_event: Callable[[Event], None] | None,
     rates: Mapping[int, float],
 ) -> Iterator[FleetSession]:
-    count = text.removeprefix(SIMULATED)
-    if count != str(len(pads)):
-        raise RosterError(
-            201, f"{text}: the plan has {len(pads)} UAVs, so it must be sim:{len(pads)}."
-        )
     start_unix_s = time.time()
     link = parse_address(f"udpin:127.0.0.1:{free_udp_port()}")
     configs = vehicle_configs(pads, grounds, round(start_unix_s * 1e9))
@@ -119,10 +98,9 @@ def _simulated(
         SimServer(configs, settings),
         FleetLink(
             roster,
+            LinkSettings(rates=rates, log_directory=log_directory),
             clock=clock,
             unix=unix,
-            log_directory=log_directory,
-            rates=rates,
             on_event=on_event,
         ) as bridge,
     ):

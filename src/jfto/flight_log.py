@@ -8,8 +8,8 @@ from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
-from jfto_mavlink.fleet.changes import Event
 from jfto_mavlink.flight.follow import FlightRecord
+from jfto_msgs_py.records.event import Event
 
 
 def new_flight_directory(wanted: Path | None) -> Path:
@@ -25,7 +25,8 @@ def flight_object(records: Mapping[str, FlightRecord], events: Sequence[Event]) 
     return {
         "vehicles": {uav: record_object(record) for uav, record in records.items()},
         "events": [
-            {"at_s": round(e.at_s, 3), "uav": e.uav, "kind": e.kind, "text": e.text} for e in events
+            {"at_s": round(e.stamp_ns / 1e9, 3), "uav": e.uav_id, "kind": e.kind, "text": e.text}
+            for e in events
         ],
     }
 

@@ -81,11 +81,10 @@ def mavlink_bridge(arguments: Arguments = None) -> int:
     """Run the bridge to vehicles."""
 
     def make() -> Any:
-        from jfto.bridge_fleet import open_simulated
         from jfto.planning.terrain import ground_of
         from jfto_mavlink.node import MavlinkBridgeNode
 
-        return MavlinkBridgeNode(open_simulated, ground_of)
+        return MavlinkBridgeNode(ground_of)
 
     return _run(make, arguments)
 

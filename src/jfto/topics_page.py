@@ -8,8 +8,8 @@ from __future__ import annotations
 from typing import Any
 
 from jfto.node_options import NODE_OPTIONS
+from jfto_msgs_py.records.event import KINDS
 from jfto_msgs_py.ros.endpoints import SERVICES, TOPICS
-from jfto_msgs_py.ros.events import KINDS
 from jfto_msgs_py.ros.installation import require_ros
 
 _HEAD = """\

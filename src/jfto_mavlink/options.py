@@ -15,8 +15,8 @@ class BridgeOptions:
     plan_file: str = param("", "Plan that is flown; waited for where there is none yet.")
     roster: tuple[str, ...] = param(
         (),
-        "Vehicles: UAV=SYSID@LINK[#UID] each, or sim:N. @LINK may be left out where endpoints are "
-        "given, all of it where the UAVs have system ids 1, 2 and so on.",
+        "Vehicles: UAV=SYSID@LINK[#UID] each. @LINK may be left out where endpoints are given, all "
+        "of it where the UAVs have system ids 1, 2 and so on.",
     )
     endpoints: tuple[str, ...] = param(
         (), "Links of roster entries without one: one for all or one each (udpin:0.0.0.0:14550)."
@@ -29,9 +29,7 @@ class BridgeOptions:
     telemetry_rate_hz: float = param(
         10.0, "Positions and attitudes per second and UAV.", unit="Hz", low=0.5, high=50.0
     )
-    allow_arming: bool = param(
-        False, "Let the start service arm vehicles. Simulated ones are always armed."
-    )
+    allow_arming: bool = param(False, "Let the start service arm vehicles.")
     guided: bool = param(
         False, "Stream the published trajectories instead of starting uploaded missions."
     )

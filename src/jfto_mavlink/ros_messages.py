@@ -10,8 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from jfto_mavlink.fleet.changes import LOST_AFTER_S
-from jfto_mavlink.flight.telemetry import BatterySample, FixSample, LinkState
+from jfto_mavlink.flight.telemetry import LOST_AFTER_S, BatterySample, FixSample, LinkState
 from jfto_msgs_py.ros.diagnostics import ERROR, OK, STALE, WARN, Status
 from jfto_msgs_py.ros.stamps import encode_time
 

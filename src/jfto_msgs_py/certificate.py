@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
+
+from jfto_msgs_py.records.fields import FILLED, NULL_IS_NAN, OneOf, Range
 
 # Kinds of violation; each names the constraint of the paper or of docs/definitions it belongs to.
 KINDS = (
@@ -16,6 +19,10 @@ KINDS = (
     "route",  # times, lengths or positions in the plan contradict its own routes
 )
 
+Count = Annotated[int, Range(0)]
+# Not a number, null in files, where nothing was measured.
+Measured = Annotated[float, NULL_IS_NAN]
+
 
 @dataclass(frozen=True)
 class Violation:
@@ -26,13 +33,13 @@ class Violation:
     `limit` share a unit that the text in `message` states.
     """
 
-    kind: str
+    kind: Annotated[str, OneOf(KINDS)]
     uav: str
     slot: float | None
     time_s: float | None
-    value: float
-    limit: float
-    message: str
+    value: Measured
+    limit: Measured
+    message: Annotated[str, FILLED]
 
 
 @dataclass(frozen=True)
@@ -48,12 +55,12 @@ class Certificate:
     """
 
     clean: bool
-    slot_checks: int
-    slot_violations: int
-    fine_violations: int
-    worst_margin_db: float
+    slot_checks: Count
+    slot_violations: Count
+    fine_violations: Count
+    worst_margin_db: Measured
     worst_margin_uav: str
-    worst_margin_slot: float
-    worst_separation_m: float
-    energy_floor_j: tuple[float, ...]
+    worst_margin_slot: Measured
+    worst_separation_m: Measured
+    energy_floor_j: tuple[Measured, ...]
     violations: tuple[Violation, ...]

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.certificate import Certificate
 from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.records.fields import Range
 
 Vector = tuple[float, float, float]
 
@@ -34,10 +35,10 @@ class Waypoint:
     `yaw_deg` is clockwise from north, `pitch_deg` is 0 at the horizon and -90 straight down.
     """
 
-    id: int
+    id: Annotated[int, Range(0)]
     position_m: Vector
     yaw_deg: float = 0.0
-    pitch_deg: float = -90.0
+    pitch_deg: Annotated[float, Range(-90, 90)] = -90.0
 
 
 @dataclass(frozen=True)
@@ -75,8 +76,8 @@ class Route:
 class Slots:
     """Division of the mission into `count` slots of `duration_s`; instants are n = 0 … count."""
 
-    count: int
-    duration_s: float
+    count: Annotated[int, Range(1)]
+    duration_s: Annotated[float, Range(0.0, above=True)]
 
     @property
     def horizon_s(self) -> float:

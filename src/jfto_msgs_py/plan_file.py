@@ -11,17 +11,14 @@ from typing import Any
 import numpy as np
 
 from jfto_msgs_py.certificate import Certificate
-from jfto_msgs_py.errors import PlanError
+from jfto_msgs_py.files import read_text, write_file
 from jfto_msgs_py.plan import PLAN_FORMAT, PLAN_VERSION, Plan, Route, Uav, Waypoint
-from jfto_msgs_py.plan_reader import UAV_LIMITS, plan_of_text
-from jfto_msgs_py.read_text import read_text
-from jfto_msgs_py.write_file import write_file
+from jfto_msgs_py.plan_reader import PLAN, UAV_LIMITS, plan_of_text
 
 # Micrometres and microseconds: finer than any of it can be known, coarse enough that the last
 # digit of a sum does not depend on the machine.
 DECIMALS = 6
 _ORIGIN_DECIMALS = 9
-PLAN_SIZE_LIMIT = 500_000_000
 
 
 def write_plan(plan: Plan, path: str | Path) -> None:
@@ -32,7 +29,7 @@ def write_plan(plan: Plan, path: str | Path) -> None:
 def read_plan(path: str | Path) -> Plan:
     """Plan of a file; raises PlanError that names the file, the key and what to do."""
     path = Path(path)
-    return plan_of_text(read_text(path, PlanError, "plan", PLAN_SIZE_LIMIT), path)
+    return plan_of_text(read_text(path, PLAN.error, PLAN.what, PLAN.size_limit), path)
 
 
 def rounded(plan: Plan) -> Plan:

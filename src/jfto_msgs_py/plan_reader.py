@@ -2,232 +2,170 @@
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
-import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from jfto_msgs_py.certificate import KINDS, Certificate, Violation
-from jfto_msgs_py.errors import InputError, PlanError
-from jfto_msgs_py.json_node import JsonNode, parse_json
-from jfto_msgs_py.plan import PLAN_FORMAT, PLAN_VERSION, Origin, Plan, Route, Slots, Uav, Waypoint
+import numpy as np
+
+from jfto_msgs_py.certificate import Certificate
+from jfto_msgs_py.errors import PlanError
+from jfto_msgs_py.files import FileKind, record_of_text
+from jfto_msgs_py.plan import (
+    PLAN_FORMAT,
+    PLAN_VERSION,
+    Origin,
+    Plan,
+    Route,
+    Slots,
+    Uav,
+    Vector,
+    Waypoint,
+)
 from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.records.fields import FILLED, MAY_LACK, Range
 
-TOP_KEYS = (
-    "format",
-    "version",
-    "scenario_hash",
-    "seed",
-    "origin",
-    "radio",
-    "k_min",
-    "delta",
-    "d_min_m",
-    "length_max_m",
-    "time_model",
-    "slots",
-    "waypoints",
-    "uavs",
-    "positions_m",
-    "trajectories",
-    "certificate",
+PLAN = FileKind(
+    "plan",
+    "Write the plan anew with jfto plan SCENARIO.",
+    denial="is not a plan",
+    format=PLAN_FORMAT,
+    version=PLAN_VERSION,
+    size_limit=500_000_000,
+    error=PlanError,
 )
 UAV_LIMITS = ("p_max_dbm", "energy_j", "t_max_s", "speed_mps", "climb_mps", "descent_mps")
-# Plans at constant speed, the first there were, had no parameters.
-_OPTIONAL_KEYS = ("time_parameters",)
-_UAV_KEYS = ("id", *UAV_LIMITS, "start_m", "route", "arrival_s", "length_m")
+
+Text = Annotated[str, FILLED]
+Positive = Annotated[float, Range(0.0, above=True)]
+NotNegative = Annotated[float, Range(0.0)]
+Count = Annotated[int, Range(0)]
+
+
+@dataclass(frozen=True)
+class _Origin:
+    lat: Annotated[float, Range(-90, 90)]
+    lon: Annotated[float, Range(-180, 180)]
+    alt_m: float
+
+
+@dataclass(frozen=True)
+class _Uav:
+    """A UAV and its route, which are one object in the file."""
+
+    id: Text
+    p_max_dbm: float
+    energy_j: Positive
+    t_max_s: Positive
+    speed_mps: Positive
+    climb_mps: Positive
+    descent_mps: Positive
+    start_m: Vector
+    route: tuple[Count, ...]
+    arrival_s: tuple[NotNegative, ...]
+    length_m: NotNegative
+
+
+@dataclass(frozen=True)
+class _Document:
+    """The members of a plan file. Plans at constant speed, the first, had no time_parameters."""
+
+    scenario_hash: Text
+    seed: Count
+    origin: _Origin
+    radio: Radio
+    k_min: Annotated[int, Range(1)]
+    delta: Count
+    d_min_m: NotNegative
+    length_max_m: NotNegative
+    time_model: Text
+    slots: Slots
+    waypoints: tuple[Waypoint, ...]
+    uavs: tuple[_Uav, ...]
+    positions_m: tuple[tuple[Vector, ...], ...]
+    trajectories: tuple[Mapping[str, Any], ...]
+    certificate: Certificate | None
+    time_parameters: Mapping[str, float] = field(default_factory=dict, metadata=MAY_LACK)
 
 
 def plan_of_text(text: str, path: Path) -> Plan:
     """Plan of a JSON text; `path` names it in errors. Raises PlanError."""
-    root = parse_json(text, path)
-    _check_format(root)
-    top = root.keys(TOP_KEYS, _OPTIONAL_KEYS)
-    slots = _slots(top["slots"])
-    waypoints = _waypoints(top["waypoints"])
-    known = {waypoint.id for waypoint in waypoints}
-    uav_nodes = top["uavs"].items()
-    if not uav_nodes:
-        raise top["uavs"].error("is empty. A plan needs at least one UAV.")
-    members = [node.keys(_UAV_KEYS) for node in uav_nodes]
-    uavs = tuple(_uav(member) for member in members)
-    _check_unique(top["uavs"], [uav.id for uav in uavs])
+    document = record_of_text(text, str(path), _Document, PLAN)
+    fault = next(_faults(document), None)
+    if fault is not None:
+        raise PlanError(f"{path}: {fault}")
     return Plan(
-        scenario_hash=top["scenario_hash"].text(),
-        seed=top["seed"].integer(0),
-        origin=_origin(top["origin"]),
-        radio=_radio(top["radio"]),
-        k_min=_k_min(top["k_min"], len(uavs)),
-        delta=top["delta"].integer(0),
-        d_min_m=top["d_min_m"].number(0.0),
-        length_max_m=top["length_max_m"].number(0.0),
-        slots=slots,
-        waypoints=waypoints,
-        uavs=uavs,
-        routes=tuple(_route(member, known) for member in members),
-        positions_m=top["positions_m"].array((len(uavs), slots.count + 1, 3)),
-        certificate=_certificate(top["certificate"], len(uavs)),
-        time_model=top["time_model"].text(),
-        time_parameters=_numbers(top.get("time_parameters")),
-        trajectories=tuple(_trajectory(node) for node in top["trajectories"].items()),
+        scenario_hash=document.scenario_hash,
+        seed=document.seed,
+        origin=Origin(document.origin.lat, document.origin.lon, document.origin.alt_m),
+        radio=document.radio,
+        k_min=document.k_min,
+        delta=document.delta,
+        d_min_m=document.d_min_m,
+        length_max_m=document.length_max_m,
+        slots=document.slots,
+        waypoints=document.waypoints,
+        uavs=tuple(
+            Uav(uav.id, start_m=uav.start_m, **{name: getattr(uav, name) for name in UAV_LIMITS})
+            for uav in document.uavs
+        ),
+        routes=tuple(Route(uav.route, uav.arrival_s, uav.length_m) for uav in document.uavs),
+        positions_m=np.array(document.positions_m, dtype=np.float64),
+        certificate=document.certificate,
+        time_model=document.time_model,
+        time_parameters=document.time_parameters,
+        trajectories=tuple(map(dict, document.trajectories)),
     )
 
 
-def _check_format(root: JsonNode) -> None:
-    if not isinstance(root.value, dict) or root.value.get("format") != PLAN_FORMAT:
-        raise PlanError(
-            f'{root.file}: is not a plan: its key format is not "{PLAN_FORMAT}". '
-            "Write one with jfto plan SCENARIO."
+def _faults(document: _Document) -> Iterator[str]:
+    """What members that are right by themselves contradict in one another."""
+    uavs, known = document.uavs, {waypoint.id for waypoint in document.waypoints}
+    if not uavs:
+        yield "uavs is empty. A plan needs at least one UAV."
+    if document.k_min >= len(uavs):
+        yield (
+            f"k_min is {document.k_min}, but {len(uavs)} UAVs can have at most {len(uavs) - 1} "
+            "neighbours. Correct one of them."
         )
-    version = root.value.get("version")
-    if version != PLAN_VERSION or isinstance(version, bool):
-        raise PlanError(
-            f"{root.file}: version is {version!r}, this program reads {PLAN_VERSION}. "
-            "Write the plan anew with jfto plan, or use the program that wrote it."
-        )
+    yield from _doubled("waypoints", [waypoint.id for waypoint in document.waypoints])
+    yield from _doubled("uavs", [uav.id for uav in uavs])
+    for index, uav in enumerate(uavs):
+        yield from _route_faults(f"uavs[{index}]", uav, known)
+    yield from _wrong_count("positions_m", document.positions_m, len(uavs))
+    for index, positions in enumerate(document.positions_m):
+        yield from _wrong_count(f"positions_m[{index}]", positions, document.slots.count + 1)
+    floors = () if document.certificate is None else document.certificate.energy_floor_j
+    if floors:
+        yield from _wrong_count("certificate.energy_floor_j", floors, len(uavs))
 
 
-def _origin(node: JsonNode) -> Origin:
-    member = node.keys(("lat", "lon", "alt_m"))
-    return Origin(
-        member["lat"].number(-90, 90), member["lon"].number(-180, 180), member["alt_m"].number()
-    )
-
-
-def _radio(node: JsonNode) -> Radio:
-    fields = dataclasses.fields(Radio)
-    member = node.keys([field.name for field in fields])
-    values: dict[str, Any] = {
-        field.name: member[field.name].text()
-        if isinstance(field.default, str)
-        else member[field.name].number()
-        for field in fields
-    }
-    try:
-        return Radio(**values)
-    except InputError as error:
-        raise PlanError(f"{node.file}: {error}") from None
-
-
-def _slots(node: JsonNode) -> Slots:
-    member = node.keys(("count", "duration_s"))
-    slots = Slots(member["count"].integer(1), member["duration_s"].number(0.0))
-    if slots.duration_s == 0:
-        raise member["duration_s"].error("is 0, must be positive.")
-    return slots
-
-
-def _waypoints(node: JsonNode) -> tuple[Waypoint, ...]:
-    waypoints = []
-    for entry in node.items():
-        member = entry.keys(("id", "position_m", "yaw_deg", "pitch_deg"))
-        waypoints.append(
-            Waypoint(
-                member["id"].integer(0),
-                member["position_m"].vector(),
-                member["yaw_deg"].number(),
-                member["pitch_deg"].number(-90, 90),
+def _route_faults(where: str, uav: _Uav, known: set[int]) -> Iterator[str]:
+    for index, waypoint in enumerate(uav.route):
+        if waypoint not in known:
+            yield (
+                f"{where}.route[{index}] is {waypoint}, but waypoints has no such id. Correct the "
+                "route."
             )
+    times = uav.arrival_s
+    if len(times) != len(uav.route):
+        yield (
+            f"{where}.arrival_s has {len(times)} times for {len(uav.route)} waypoints. Give one "
+            "per waypoint."
         )
-    _check_unique(node, [waypoint.id for waypoint in waypoints])
-    return tuple(waypoints)
+    if any(later < earlier for earlier, later in itertools.pairwise(times)):
+        yield f"{where}.arrival_s runs backwards. Times must not decrease."
 
 
-def _check_unique(node: JsonNode, ids: list[Any]) -> None:
-    seen = set()
+def _doubled(where: str, ids: Sequence[int | str]) -> Iterator[str]:
+    first = {name: index for index, name in reversed(list(enumerate(ids)))}
     for index, name in enumerate(ids):
-        if name in seen:
-            raise PlanError(
-                f"{node.file}: {node.where}[{index}].id is {name!r} a second time. Ids must differ."
-            )
-        seen.add(name)
+        if first[name] != index:
+            yield f"{where}[{index}].id is {name!r} a second time. Ids must differ."
 
 
-def _uav(member: dict[str, JsonNode]) -> Uav:
-    limits = {name: member[name].number() for name in UAV_LIMITS}
-    for name, value in limits.items():
-        if name != "p_max_dbm" and value <= 0:
-            raise member[name].error(f"is {value:g}, must be positive.")
-    return Uav(id=member["id"].text(), start_m=member["start_m"].vector(), **limits)
-
-
-def _route(member: dict[str, JsonNode], known: set[int]) -> Route:
-    ids = []
-    for node in member["route"].items():
-        ids.append(node.integer(0))
-        if ids[-1] not in known:
-            raise node.error(f"is {ids[-1]}, but waypoints has no such id. Correct the route.")
-    arrival = [node.number(0.0) for node in member["arrival_s"].items()]
-    if len(arrival) != len(ids):
-        raise member["arrival_s"].error(
-            f"has {len(arrival)} times for {len(ids)} waypoints. Give one per waypoint."
-        )
-    if any(later < earlier for earlier, later in itertools.pairwise(arrival)):
-        raise member["arrival_s"].error("runs backwards. Times must not decrease.")
-    return Route(tuple(ids), tuple(arrival), member["length_m"].number(0.0))
-
-
-def _k_min(node: JsonNode, uav_count: int) -> int:
-    k_min = node.integer(1)
-    if k_min >= uav_count:
-        raise node.error(
-            f"is {k_min}, but {uav_count} UAVs can have at most {uav_count - 1} neighbours."
-        )
-    return k_min
-
-
-def _numbers(node: JsonNode | None) -> dict[str, float]:
-    if node is None:
-        return {}
-    if not isinstance(node.value, dict):
-        raise node.error("must be an object of numbers.")
-    return {name: member.number() for name, member in node.keys(node.value).items()}
-
-
-def _trajectory(node: JsonNode) -> dict[str, Any]:
-    if not isinstance(node.value, dict):
-        raise node.error("must be an object.")
-    return dict(node.value)
-
-
-def _certificate(node: JsonNode, uav_count: int) -> Certificate | None:
-    if node.value is None:
-        return None
-    member = node.keys([field.name for field in dataclasses.fields(Certificate)])
-    energy = member["energy_floor_j"].items()
-    if len(energy) not in {0, uav_count}:
-        raise member["energy_floor_j"].error(f"has {len(energy)} entries, needs {uav_count}.")
-    return Certificate(
-        clean=member["clean"].flag(),
-        slot_checks=member["slot_checks"].integer(0),
-        slot_violations=member["slot_violations"].integer(0),
-        fine_violations=member["fine_violations"].integer(0),
-        worst_margin_db=_or_nan(member["worst_margin_db"]),
-        worst_margin_uav=str(member["worst_margin_uav"].value),
-        worst_margin_slot=_or_nan(member["worst_margin_slot"]),
-        worst_separation_m=_or_nan(member["worst_separation_m"]),
-        energy_floor_j=tuple(_or_nan(entry) for entry in energy),
-        violations=tuple(_violation(entry) for entry in member["violations"].items()),
-    )
-
-
-def _violation(node: JsonNode) -> Violation:
-    member = node.keys([field.name for field in dataclasses.fields(Violation)])
-    kind = member["kind"].text()
-    if kind not in KINDS:
-        raise member["kind"].error(f"is {kind!r}, must be one of {', '.join(KINDS)}.")
-    return Violation(
-        kind=kind,
-        uav=str(member["uav"].value),
-        slot=member["slot"].number_or_none(),
-        time_s=member["time_s"].number_or_none(),
-        value=_or_nan(member["value"]),
-        limit=_or_nan(member["limit"]),
-        message=member["message"].text(),
-    )
-
-
-def _or_nan(node: JsonNode) -> float:
-    number = node.number_or_none()
-    return math.nan if number is None else number
+def _wrong_count(where: str, entries: Sequence[Any], count: int) -> Iterator[str]:
+    if len(entries) != count:
+        yield f"{where} has {len(entries)} entries, needs {count}. {PLAN.cure}"

@@ -16,10 +16,11 @@ from trajectory_msgs.msg import MultiDOFJointTrajectory
 from jfto_msgs_py.errors import InfeasibleError, InputError, JftoError, MessageError, PlanError
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.plan_file import read_plan, write_plan
+from jfto_msgs_py.records.event import INFO as TOLD
+from jfto_msgs_py.records.event import WARN as WARNED
+from jfto_msgs_py.records.event import Event
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.diagnostics import ERROR, OK, WARN, Status
-from jfto_msgs_py.ros.events import INFO as TOLD
-from jfto_msgs_py.ros.events import WARN as WARNED
 from jfto_msgs_py.ros.graph_node import GraphNode
 from jfto_msgs_py.ros.stamps import decode_time
 from jfto_msgs_py.ros.vehicle import encode_path, encode_trajectory
@@ -192,14 +193,14 @@ class PlannerNode(GraphNode[PlannerOptions]):
         except MessageError as error:
             self.intake.refuse(topics.LIFT_OFF, error)
             text = f"Not taken for a lift-off: {error}. The plan's start stays as it was."
-            self.announce(WARNED, "lift_off", "", text)
+            self.announce(Event(WARNED, "lift_off", "", text))
             return False
         except InputError as error:
             # Better to fly without a file than on the wrong clock.
             self.get_logger().error(str(error))
         moved = "" if awaited else f", {(heard_ns - before_ns) / 1e9:+.1f} s from what was assumed"
         text = f"Lift-off at {heard_ns / 1e9:.3f} s{moved}: plan and slots are counted from there."
-        self.announce(TOLD, "lift_off", "", text)
+        self.announce(Event(TOLD, "lift_off", "", text))
         self._publish()
         return True
 

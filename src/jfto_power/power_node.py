@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from trajectory_msgs.msg import MultiDOFJointTrajectory
 from jfto_msgs_py.clock_watch import ClockWatch
 from jfto_msgs_py.errors import InputError, JftoError, MessageError
 from jfto_msgs_py.network import Adjacency, PowerIntervals, PowerSchedule, SlotHorizon
+from jfto_msgs_py.records.event import Event
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.diagnostics import ERROR, OK, WARN, Status
 from jfto_msgs_py.ros.energy import encode_energy_left
@@ -27,7 +29,7 @@ from jfto_msgs_py.scenario import Scenario
 from jfto_msgs_py.units import w_to_dbm
 from jfto_power.energy_account import EnergyAccount
 from jfto_power.horizon import HorizonPower, plan_horizon
-from jfto_power.power_news import News, PowerNews
+from jfto_power.power_events import PowerEvents
 from jfto_power.power_options import PowerOptions
 from jfto_world.motion.fleet_plan import FleetPlan
 from jfto_world.motion.fleet_prediction import FleetPrediction
@@ -66,7 +68,7 @@ class PowerNode(GraphNode[PowerOptions]):
         self._account = EnergyAccount(
             budget_j, Path(options.state_file) if options.state_file else None, self.now_ns()
         )
-        self._news = PowerNews()
+        self._power_events = PowerEvents()
         self._plan = FleetPlan(ids)
         self._prediction = FleetPrediction()
         self._adjacency: Adjacency | None = None
@@ -175,7 +177,7 @@ class PowerNode(GraphNode[PowerOptions]):
         except JftoError as error:
             # What others ask for cannot be solved: the last schedule stays in force.
             self._trouble["allocation"] = str(error)
-            self._tell(self._news.of_trouble(str(error)))
+            self._tell(self._power_events.of_trouble(str(error)))
             return
         self._trouble.pop("allocation", None)
         self._heard_ns = now_ns
@@ -183,13 +185,15 @@ class PowerNode(GraphNode[PowerOptions]):
         if mine is not None:
             self._schedule.publish(encode_power_schedule(mine))
         self._apply()
-        self._tell([*self._news.of_trouble(""), *self._news.of_schedule(self._found)])
+        self._tell(
+            [*self._power_events.of_trouble(""), *self._power_events.of_schedule(self._found)]
+        )
 
-    def _tell(self, news: list[News]) -> None:
-        for level, kind, uav, text in news:
+    def _tell(self, events: Iterable[Event]) -> None:
+        for event in events:
             # Of several power nodes each speaks for its own UAVs.
-            if not uav or uav in self._served:
-                self.announce(level, kind, uav, text)
+            if not event.uav_id or event.uav_id in self._served:
+                self.announce(event)
 
     def _rows(self, schedule: PowerSchedule) -> PowerSchedule | None:
         """The rows of the UAVs that this node serves."""
@@ -227,7 +231,7 @@ class PowerNode(GraphNode[PowerOptions]):
                 publisher.publish(Float64(data=float(w_to_dbm(powers[uav]))))
         left_j = {uav: self._account.left_j[uav] for uav in self._served}
         self._energy_left.publish(encode_energy_left(now_ns, left_j))
-        self._tell(self._news.of_energy(used_up))
+        self._tell(self._power_events.of_energy(used_up))
         self._save(now_ns)
         self._wait(schedule.horizon, row, now_ns)
 
@@ -247,7 +251,7 @@ class PowerNode(GraphNode[PowerOptions]):
         if self._found is None or not self.is_active:
             return
         silent_s, run_out = self._silence(self.now_ns())
-        self._tell(self._news.of_silence(silent_s, run_out=run_out))
+        self._tell(self._power_events.of_silence(silent_s, run_out=run_out))
 
     def _silence(self, now_ns: int) -> tuple[float, bool]:
         """For how long the topology has been silent, 0 where that is well, and past its horizon."""

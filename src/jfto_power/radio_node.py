@@ -11,10 +11,10 @@ from typing import Any
 from std_msgs.msg import Float64
 
 from jfto_msgs_py.errors import InputError, MessageError
+from jfto_msgs_py.records.event import ERROR as ERROR_EVENT
+from jfto_msgs_py.records.event import INFO, Event
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.diagnostics import ERROR, OK, WARN, Status
-from jfto_msgs_py.ros.events import ERROR as ERROR_EVENT
-from jfto_msgs_py.ros.events import INFO
 from jfto_msgs_py.ros.graph_node import GraphNode
 from jfto_msgs_py.scenario import Scenario
 from jfto_power.drivers import Applier, IwDriver, LogDriver, RadioDriver, RadioState, SimDriver
@@ -123,11 +123,11 @@ class RadioNode(GraphNode[RadioOptions]):
         if state.trouble and uav not in self._troubled:
             self._troubled.add(uav)
             text = f"{state.trouble} Set again every {_RETRY_S:g} s until it obeys."
-            self.announce(ERROR_EVENT, "radio", uav, " ".join(text.split()))
+            self.announce(Event(ERROR_EVENT, "radio", uav, " ".join(text.split())))
         elif not state.trouble and uav in self._troubled:
             self._troubled.discard(uav)
             text = f"The radio obeys again: {state.applied_dbm:.2f} dBm are in force."
-            self.announce(INFO, "radio", uav, text)
+            self.announce(Event(INFO, "radio", uav, text))
 
     def statuses(self, now_ns: int) -> list[Status]:
         """Each radio's setpoint and what it is set to."""

@@ -8,15 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.episodes import Episodes
-from jfto_msgs_py.ros.events import ERROR, INFO, WARN
+from jfto_msgs_py.records.event import ERROR, INFO, WARN, Event
 from jfto_topology.ctop import ctop
 from jfto_topology.horizon import HorizonTopology
 from jfto_topology.links import Links
 from jfto_topology.look_ahead import Danger, Rules, energy_danger, look_ahead
 from jfto_world.motion.fleet_prediction import FleetPrediction
 
-# Level, kind, UAV and text of an event.
-News = tuple[int, str, str, str]
 Key = tuple[str, str]
 
 # Between two slots the fleet is looked at so often.
@@ -53,7 +51,7 @@ class FlightWatch:
 
     def look(
         self, found: HorizonTopology, slot_count: int, now_ns: int, left_j: dict[str, float]
-    ) -> list[News]:
+    ) -> list[Event]:
         """What is to be told after a slot was solved; `left_j` is the energy left where known."""
         horizon, uav_ids = found.adjacency.horizon, found.adjacency.uav_ids
         slot_s = horizon.duration_s
@@ -70,7 +68,7 @@ class FlightWatch:
             key, text = self._text(danger, uav_ids, lead_s, slot, found.k_min)
             texts[key] = (lead_s, text)
         texts.update(self._energy(found, slot_count, left_j))
-        return self._news(texts, now_ns)
+        return self._events(texts, now_ns)
 
     def _rules(self, found: HorizonTopology) -> Rules:
         p_max_w = np.array([self._links.p_max_w[uav] for uav in found.adjacency.uav_ids])
@@ -133,14 +131,14 @@ class FlightWatch:
             texts["energy", uav] = (danger.first * horizon.duration_s, text)
         return texts
 
-    def _news(self, texts: dict[Key, tuple[float, str]], now_ns: int) -> list[News]:
+    def _events(self, texts: dict[Key, tuple[float, str]], now_ns: int) -> list[Event]:
         began, over = self._episodes.update(texts)
-        news: list[News] = []
+        events: list[Event] = []
         for key, (lead_s, text) in texts.items():
             self.dangers[key] = text
             if key in began:
                 self._known[key] = _Episode(now_ns, None)
-                news.append((WARN if lead_s > 0 else ERROR, *key, text))
+                events.append(Event(WARN if lead_s > 0 else ERROR, *key, text))
             episode = self._known[key]
             if lead_s <= 0 and episode.came_ns is None:
                 episode.came_ns = now_ns
@@ -150,8 +148,8 @@ class FlightWatch:
             end = "it did not come to it"
             if episode.came_ns is not None:
                 end = f"it was so for {(now_ns - episode.came_ns) / 1e9:.0f} s"
-            news.append((INFO, *key, f"{_OVER[key[0]].format(key[1])}; {end}."))
-        return news
+            events.append(Event(INFO, *key, f"{_OVER[key[0]].format(key[1])}; {end}."))
+        return events
 
 
 _OVER = {

@@ -15,17 +15,17 @@ from visualization_msgs.msg import MarkerArray
 
 from jfto_msgs_py.clock_watch import ClockWatch
 from jfto_msgs_py.errors import InputError, MessageError
+from jfto_msgs_py.records.event import WARN, Event
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.air import decode_air_array
 from jfto_msgs_py.ros.diagnostics import Status
 from jfto_msgs_py.ros.energy import decode_energy_left
-from jfto_msgs_py.ros.events import WARN
 from jfto_msgs_py.ros.graph_node import GraphNode
 from jfto_msgs_py.ros.network import encode_adjacency, encode_power_intervals
 from jfto_msgs_py.ros.vehicle import decode_trajectory
 from jfto_msgs_py.scenario import Scenario
 from jfto_msgs_py.units import dbm_to_w, ratio_to_db
-from jfto_topology.fleet_news import FleetNews
+from jfto_topology.fleet_events import FleetEvents
 from jfto_topology.flight_watch import FlightWatch
 from jfto_topology.horizon import HorizonSettings, HorizonTopology, TopologyHorizon
 from jfto_topology.links import SPREADS, Links
@@ -75,7 +75,7 @@ class TopologyNode(GraphNode[TopologyOptions]):
         )
         self._losses = LossEstimate(self._links.channel)
         self._drawing: FleetMarkers | None = None
-        self._news = FleetNews(self._prediction)
+        self._fleet_events = FleetEvents(self._prediction)
         self._watch = FlightWatch(
             self._prediction, self._links, scenario.mission.d_min_m, options.watch_slots
         )
@@ -192,7 +192,7 @@ class TopologyNode(GraphNode[TopologyOptions]):
             self._prediction.forget_poses()
             self._since_ns = 0
             text = f"The clock was set back by {back_ns / 1e9:.1f} s: earlier poses do not count."
-            self.announce(WARN, "topology", "", text)
+            self.announce(Event(WARN, "topology", "", text))
 
     def _step(self) -> None:
         """Solve and publish if a slot is due; set the timer for when the next must be."""
@@ -219,10 +219,11 @@ class TopologyNode(GraphNode[TopologyOptions]):
 
     def _tell(self, found: HorizonTopology, now_ns: int) -> None:
         slot_count = self._mission.slot_count
-        for news in self._news.of_slot(found, now_ns):
-            self.announce(*news)
-        for news in self._watch.look(found, slot_count, now_ns, self._left_j):
-            self.announce(*news)
+        for event in (
+            *self._fleet_events.of_slot(found, now_ns),
+            *self._watch.look(found, slot_count, now_ns, self._left_j),
+        ):
+            self.announce(event)
 
     def _may_solve(self, horizon: TopologyHorizon, now_ns: int) -> bool:
         """Whether UAVs without a fresh pose have had the time to send one since we listen."""

@@ -15,16 +15,19 @@ from geometry_msgs.msg import PoseStamped
 from sensor_msgs.msg import BatteryState, NavSatFix
 from std_srvs.srv import Trigger
 
-from jfto.bridge_fleet import open_simulated
+from jfto.simulated_fleet_node import SimulatedFleetNode
 from jfto_mavlink.io.address import free_udp_port
 from jfto_mavlink.node import MavlinkBridgeNode
 from jfto_msgs_py.errors import ScenarioError
 from jfto_msgs_py.plan_file import write_plan
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.vehicle import decode_pose
+from jfto_sim import VehicleConfig
+from jfto_sim.server import ServerSettings, SimServer
 from support.graph import SCENARIO, Graph
 
 TWO = {"fleet.count": 2, "starts.count": 2, "mission.slot_count": 20}
+FLEET_OF_TWO = {name.replace(".", "__"): value for name, value in TWO.items()}
 
 
 @pytest.fixture
@@ -42,11 +45,7 @@ class Station:
     def __init__(self, graph: Graph, plan_file, **parameters) -> None:
         self.graph = graph
         self.node = graph.add(
-            MavlinkBridgeNode,
-            open_simulated,
-            plan_file=str(plan_file),
-            **{name.replace(".", "__"): value for name, value in TWO.items()},
-            **parameters,
+            MavlinkBridgeNode, plan_file=str(plan_file), **FLEET_OF_TWO, **parameters
         )
         self.diagnostics = graph.collect(DiagnosticArray, topics.DIAGNOSTICS, qos.default())
 
@@ -74,6 +73,22 @@ class Station:
             self.graph.until(lambda uav=uav: self.fact(uav, "ready_to_arm") == "true")
 
 
+def simulated(graph: Graph, plan_file, speedup: float) -> Station:
+    """A station with a simulated fleet beside it, whose time all keep."""
+    link = f"127.0.0.1:{free_udp_port()}"
+    shared = {"plan_file": str(plan_file), "speedup": speedup}
+    graph.add(SimulatedFleetNode, None, endpoint=f"udpto:{link}", **shared, **FLEET_OF_TWO)
+    return Station(
+        graph,
+        plan_file,
+        endpoints=[f"udpin:{link}"],
+        speedup=speedup,
+        vehicle_stamps=True,
+        allow_arming=True,
+        use_sim_time=True,
+    )
+
+
 @pytest.fixture
 def graph():
     with Graph() as found:
@@ -82,7 +97,7 @@ def graph():
 
 def test_a_fleet_is_uploaded_started_held_and_called_home(graph, plan_file):
     """Poses about the plan's origin in the order of their stamps, and each service's answer."""
-    station = Station(graph, plan_file, roster=["sim:2"], speedup=10.0)
+    station = simulated(graph, plan_file, 10.0)
     poses = graph.collect(PoseStamped, topics.pose("uav2"), qos.sensor())
     fixes = graph.collect(NavSatFix, topics.fix("uav2"), qos.sensor())
     batteries = graph.collect(BatteryState, topics.battery("uav2"), qos.sensor())
@@ -96,7 +111,7 @@ def test_a_fleet_is_uploaded_started_held_and_called_home(graph, plan_file):
     graph.until(lambda: len(poses) > 3 and fixes and batteries)
     pose = decode_pose(poses[-1])
     assert pose.position_m == pytest.approx((0.0, 20.0, 2.0), abs=0.5)
-    assert 0 <= station.node.now_ns() - pose.stamp_ns < 5e9
+    assert abs(station.node.now_ns() - pose.stamp_ns) < 5e9
     assert fixes[-1].latitude == pytest.approx(47.3979, abs=1e-3)
     assert 0.5 < batteries[-1].percentage <= 1.0
     success, text = station.call("start")
@@ -121,7 +136,7 @@ def test_a_fleet_is_uploaded_started_held_and_called_home(graph, plan_file):
 
 def test_an_abort_calls_a_start_off(graph, plan_file):
     """While the fleet lines up: nobody flies, start says why."""
-    station = Station(graph, plan_file, roster=["sim:2"], speedup=12.0)
+    station = simulated(graph, plan_file, 12.0)
     station.ready()
     assert station.call("upload")[0]
     client = graph.observer.create_client(Trigger, "/jfto/mission/start")
@@ -150,7 +165,7 @@ def test_real_vehicles_are_not_armed_unasked(graph, plan_file):
 
 def test_a_check_names_what_speaks_against_arming(graph, plan_file):
     """Nothing was uploaded: the check says so, and arms nobody."""
-    station = Station(graph, plan_file, roster=["sim:2"], speedup=12.0)
+    station = simulated(graph, plan_file, 12.0)
     station.ready()
     success, text = station.call("check")
     assert not success
@@ -161,7 +176,7 @@ def test_a_check_names_what_speaks_against_arming(graph, plan_file):
 def test_a_plan_that_comes_later_is_waited_for(graph, plan_file):
     """The planner may still be at work; orders say so."""
     late = plan_file.with_name("late.json")
-    station = Station(graph, late, roster=["sim:2"])
+    station = simulated(graph, late, 1.0)
     graph.until(lambda: "not there yet" in station.fact("uav1", "text"))
     success, text = station.call("upload")
     assert not success
@@ -173,11 +188,13 @@ def test_a_plan_that_comes_later_is_waited_for(graph, plan_file):
 @pytest.mark.parametrize(
     ("parameters", "words"),
     [
-        ({"roster": ["sim:3"]}, "sim:3, the fleet has 2"),
+        ({"roster": ["sim:3"]}, "sim:3: the fleet has 2"),
+        ({"roster": ["sim:2"]}, "simulates no vehicles. Start simulated_fleet"),
+        ({"endpoints": ["tcp:a:1"], "speedup": 2.0}, "real vehicles keep time"),
         ({"roster": ["uav1=1", "uav2=2"]}, "2 roster entries have no @LINK"),
         ({"roster": ["uav1=1@udpin:127.0.0.1:14550"]}, "uav2: in the fleet or in the roster"),
-        ({"roster": ["sim:2"], "guided": True, "speedup": 2.0}, "speedup must be 1"),
-        ({"roster": ["sim:2"], "style": "hover"}, "style"),
+        ({"endpoints": ["tcp:a:1"], "guided": True, "speedup": 2.0}, "speedup must be 1"),
+        ({"endpoints": ["tcp:a:1"], "style": "hover"}, "style"),
     ],
 )
 def test_what_cannot_be_flown_is_refused_at_once(graph, plan_file, parameters, words):
@@ -189,7 +206,8 @@ def test_what_cannot_be_flown_is_refused_at_once(graph, plan_file, parameters, w
 @pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
 def test_the_process_ends_when_it_is_told_to(plan_file, sent):
     """With status 0 and without a traceback, its links closed."""
-    values = {**TWO, "plan_file": plan_file, "roster": "['sim:2']", "speedup": 10.0}
+    port = free_udp_port()
+    values = {**TWO, "plan_file": plan_file, "endpoints": f"['udpin:127.0.0.1:{port}']"}
     command = [sys.executable, "-m", "jfto.nodes", "mavlink_bridge", "--ros-args"]
     for name, value in {**SCENARIO, **values}.items():
         command += ["-p", f"{name}:={value}"]
@@ -198,9 +216,14 @@ def test_the_process_ends_when_it_is_told_to(plan_file, sent):
         "PYTHONPATH": os.pathsep.join(sys.path),
         "ROS_DOMAIN_ID": str(os.getpid() % 100 + 1),
     }
-    with subprocess.Popen(
-        command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
-    ) as process:
+    configs = [VehicleConfig(sysid=n) for n in (1, 2)]
+    settings = ServerSettings(((f"udpto:127.0.0.1:{port}",),) * 2)
+    with (
+        SimServer(configs, settings),
+        subprocess.Popen(
+            command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+        ) as process,
+    ):
         said = []
         for line in process.stdout:
             said.append(line)

@@ -13,9 +13,10 @@ from trajectory_msgs.msg import MultiDOFJointTrajectory
 
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.network import Adjacency, PowerIntervals, SlotHorizon
+from jfto_msgs_py.records.event import ERROR, INFO, WARN, Event
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.energy import decode_energy_left
-from jfto_msgs_py.ros.events import ERROR, INFO, WARN, Event, decode_event
+from jfto_msgs_py.ros.events import decode_event
 from jfto_msgs_py.ros.network import (
     decode_power_schedule,
     encode_adjacency,

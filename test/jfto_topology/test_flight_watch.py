@@ -7,9 +7,9 @@ import re
 import numpy as np
 import pytest
 
-from jfto_msgs_py.ros.events import ERROR, INFO, WARN
+from jfto_msgs_py.records.event import ERROR, INFO, WARN
 from jfto_msgs_py.vehicle import TimedTrajectory, VehiclePose
-from jfto_topology.fleet_news import FleetNews
+from jfto_topology.fleet_events import FleetEvents
 from jfto_topology.flight_watch import FlightWatch
 from jfto_topology.horizon import HorizonSettings, TopologyHorizon
 from jfto_topology.links import Links
@@ -39,7 +39,7 @@ class _Flight:
             self.prediction, links, HorizonSettings(SLOTS, SLOT_S, 10, 3.0, 0.2)
         )
         self.watch = FlightWatch(self.prediction, links, 10.0, 20)
-        self.news = FleetNews(self.prediction)
+        self.fleet_events = FleetEvents(self.prediction)
         self.left_j: dict[str, float] = {}
         self.told: list[tuple[float, int, str, str, str]] = []
 
@@ -59,9 +59,11 @@ class _Flight:
             found = self.horizon.solve(now_ns)
             if found is None:
                 continue
-            news = self.news.of_slot(found, now_ns)
-            news += self.watch.look(found, SLOTS, now_ns, self.left_j)
-            self.told += [(float(seconds), *each) for each in news]
+            events = self.fleet_events.of_slot(found, now_ns)
+            events += self.watch.look(found, SLOTS, now_ns, self.left_j)
+            self.told += [
+                (float(seconds), each.level, each.kind, each.uav_id, each.text) for each in events
+            ]
 
 
 def test_a_flight_as_planned_is_not_commented_on() -> None:

@@ -12,10 +12,11 @@ from trajectory_msgs.msg import MultiDOFJointTrajectory
 from visualization_msgs.msg import Marker, MarkerArray
 
 from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.records.event import ERROR, INFO, WARN, Event
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.air import encode_air
 from jfto_msgs_py.ros.energy import encode_energy_left
-from jfto_msgs_py.ros.events import ERROR, INFO, WARN, Event, decode_event
+from jfto_msgs_py.ros.events import decode_event
 from jfto_msgs_py.ros.network import decode_adjacency, decode_power_intervals
 from jfto_msgs_py.ros.vehicle import encode_pose, encode_trajectory
 from jfto_sim.air import Air, AirMember, AirSettings

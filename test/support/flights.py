@@ -14,9 +14,10 @@ from jfto.bag.recorder import BagRecorder
 from jfto_msgs_py.air import AirReport
 from jfto_msgs_py.network import Adjacency, SlotHorizon
 from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.event import Event
 from jfto_msgs_py.ros import topics
 from jfto_msgs_py.ros.air import encode_air
-from jfto_msgs_py.ros.events import Event, encode_event
+from jfto_msgs_py.ros.events import encode_event
 from jfto_msgs_py.ros.network import encode_adjacency
 from jfto_msgs_py.ros.stamps import encode_time
 from jfto_msgs_py.ros.vehicle import encode_pose

@@ -11,9 +11,9 @@ from typing import TypeVar
 
 from jfto_mavlink.dialect import Message
 from jfto_mavlink.errors import RosterError
-from jfto_mavlink.fleet.changes import Event
 from jfto_mavlink.fleet.roster import Roster, RosterEntry
 from jfto_mavlink.fleet.station import GroundStation
+from jfto_mavlink.flight.telemetry import LOST_AFTER_S
 from jfto_mavlink.io.address import LinkAddress
 from jfto_mavlink.io.port import Port, Station
 from jfto_mavlink.io.signing import Signer
@@ -114,10 +114,10 @@ class Rehearsal:
         port: int = 0,
         step_s: float = 0.005,
         log: Callable[[str, bytes], None] | None = None,
-        on_event: Callable[[Event], None] | None = None,
     ) -> None:
         self.now_s = 0.0
         self.step_s = step_s
+        self.lost_after_s = LOST_AFTER_S
         self.vehicles = dict(vehicles)
         station = station or Station()
         by_id = {vehicle.config.sysid: vehicle for vehicle in vehicles.values()}
@@ -135,7 +135,6 @@ class Rehearsal:
             station=station,
             rates=rates,
             log=log,
-            on_event=on_event,
         )
 
     def clock(self) -> float:

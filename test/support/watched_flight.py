@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from functools import partial
 
-from jfto_mavlink.fleet.changes import LOST_AFTER_S, Notice
-from jfto_mavlink.fleet.fly import FlySettings, deliver_to_fleet, start_fleet
-from jfto_mavlink.fleet.watched_flight import Found, WatchedFlight, recognise
-from jfto_mavlink.flight.telemetry import LinkState, listen
+from jfto_mavlink.fleet.fly import Fleet, FlySettings, deliver_to_fleet, start_fleet
+from jfto_mavlink.fleet.watched_flight import WatchedFlight, recognise
+from jfto_mavlink.flight.telemetry import LOST_AFTER_S, LinkState, listen
 from jfto_mavlink.mission.build import build_missions
 from jfto_mavlink.mission.settings import MissionSettings
+from jfto_msgs_py.records.event import DEBUG
 from jfto_sim import Vehicle, VehicleConfig
 from support.rehearsal import Rehearsal
 
@@ -39,21 +39,31 @@ class Flight:
             for n, (uav, mission) in enumerate(self.missions.items(), 1)
         }
         self.runner = Rehearsal(self.vehicles, step_s=0.02)
-        self.notices = []
+        self.events = []
         self.lift_offs = []
         self.keeper = WatchedFlight(
             self.missions,
             path,
             LOST_AFTER_S,
-            lambda *told: self.notices.append(Notice(*told)),
+            self.events.append,
             self.lift_offs.append,
-            lambda moment: moment.utc_ns,
-            lambda context, at_ns: context.vehicle.boot_s(at_ns),
+            self,
         )
         self.keeper.begin()
         for uav, mission in self.missions.items():
             job = partial(listen, mission=mission, sink=self._take, under_way=self.keeper.under_way)
             self.runner.start(uav, job)
+
+    def begun_ns(self, moment) -> int | None:
+        return moment.utc_ns
+
+    def own_s(self, context, at_ns: int) -> float | None:
+        return context.vehicle.boot_s(at_ns)
+
+    @property
+    def notices(self):
+        """What an operator must learn of."""
+        return [event for event in self.events if event.level > DEBUG]
 
     @property
     def monitor(self):
@@ -68,7 +78,7 @@ class Flight:
         self.runner.advance(READY_S)
         missions = {uav: mission.mission for uav, mission in self.missions.items()}
         release = deliver_to_fleet(self.runner, missions).release()
-        start_fleet(self.runner, self.runner.clock, release, self.missions, FlySettings())
+        start_fleet(Fleet(self.runner, self.missions), release, FlySettings())
         self.until("lift_off", "", 10.0)
 
     def recognise(self) -> None:
@@ -77,13 +87,13 @@ class Flight:
             u: partial(recognise, mission=m.mission, heard_wait_s=15.0)
             for u, m in self.missions.items()
         }
-        for uav, vehicle in self.runner.run(jobs).items():
-            self.keeper.found(Found(uav, vehicle))
+        for vehicle in self.runner.run(jobs).values():
+            self.keeper.found(vehicle)
         self.runner.advance(1.0)
 
     def told(self, kind: str, uav: str) -> list[str]:
         """All lines of a kind about a UAV."""
-        return [n.text for n in self.notices if (n.kind, n.uav) == (kind, uav)]
+        return [n.text for n in self.notices if (n.kind, n.uav_id) == (kind, uav)]
 
     def until(self, kind: str, uav: str, timeout_s: float) -> str:
         """The first line of a kind about a UAV, once there is one."""

@@ -12,7 +12,7 @@ from jfto.analysis.grid import FINER, FlownGrid, PlannedFlight
 from jfto.analysis.passages import Passage
 from jfto.analysis.record import RecordedFlight
 from jfto_msgs_py.plan import Plan
-from jfto_msgs_py.ros.events import WARN
+from jfto_msgs_py.records.event import WARN
 
 # An event explains what happens in so many seconds after it, and shortly before it is noticed.
 _BEFORE_S, _AFTER_S = 30.0, 5.0

@@ -16,8 +16,8 @@ from jfto.analysis.paper import PAPER, throughput_ratios
 from jfto.planning.survey import Survey
 from jfto_msgs_py.certificate import Certificate
 from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.files import write_file
 from jfto_msgs_py.plan import Plan
-from jfto_msgs_py.write_file import write_file
 from jfto_planner.coverage import Coverage
 
 _WAYPOINT_SUFFIXES = (".csv", ".geojson")

@@ -29,10 +29,11 @@ from jfto.bag.reader import Bag, BagMessage
 from jfto_msgs_py.errors import InputError, MessageError
 from jfto_msgs_py.network import Adjacency, PowerSchedule
 from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.event import Event
 from jfto_msgs_py.ros import topics
 from jfto_msgs_py.ros.air import decode_air_array
 from jfto_msgs_py.ros.diagnostics import OK, Diagnostics, Status, decode_diagnostics
-from jfto_msgs_py.ros.events import Event, decode_event
+from jfto_msgs_py.ros.events import decode_event
 from jfto_msgs_py.ros.network import decode_adjacency, decode_power_schedule
 from jfto_msgs_py.ros.stamps import decode_time
 from jfto_msgs_py.ros.vehicle import decode_pose

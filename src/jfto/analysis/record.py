@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.network import Adjacency, PowerSchedule
-from jfto_msgs_py.ros.events import Event
+from jfto_msgs_py.records.event import Event
 from jfto_msgs_py.types import Array
 
 READ_BACK, SETPOINT, UNKNOWN = "read back from the radio", "setpoint", "not recorded"

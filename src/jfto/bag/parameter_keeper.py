@@ -11,7 +11,7 @@ import yaml
 from jfto.bag.recorder import PARAMETERS_NAME
 from jfto.ros_cli import graph_names
 from jfto.ros_cli.session import Session
-from jfto_msgs_py.write_file import write_file
+from jfto_msgs_py.files import write_file
 
 _NOT_SET = 0
 

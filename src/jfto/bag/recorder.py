@@ -17,7 +17,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from jfto.bag.errors import BagError
 from jfto.bag.reader import EMPTY_START_NS
-from jfto_msgs_py.write_file import write_file
+from jfto_msgs_py.files import write_file
 
 # Beside the bag: the parameters of the nodes that were recorded, for a replay.
 PARAMETERS_NAME = "parameters.yaml"

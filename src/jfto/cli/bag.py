@@ -91,7 +91,7 @@ def record(
     from jfto.bag.record import NODE_NAME, Choice, Recording
     from jfto.bag.recorder import PARAMETERS_NAME, BagRecorder
     from jfto.supervision.die_with_parent import die_with_parent
-    from jfto_msgs_py.write_file import write_file
+    from jfto_msgs_py.files import write_file
 
     chosen = Choice(
         topics=(*topics, *choices["more_topics"]),

@@ -9,10 +9,8 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn
 
 if TYPE_CHECKING:
-    from jfto_mavlink.fleet.changes import Event
     from jfto_mavlink.protocol.exchange import Report
-
-ALARMS = ("link_lost", "battery_low", "failsafe", "fence", "reboot", "log")
+    from jfto_msgs_py.records.event import Event
 
 
 class FlightScreen:
@@ -59,7 +57,9 @@ class FlightScreen:
         )
 
     def event(self, event: Event) -> None:
-        """Print an event; alarms are marked."""
+        """Print an event; warnings and worse are marked."""
+        from jfto_msgs_py.records.event import INFO
+
         self.events.append(event)
-        mark = "!" if event.kind in ALARMS else " "
-        self.console.print(f"{event.uav:<8}{mark}{event.text}", markup=False, highlight=False)
+        mark = "!" if event.level > INFO else " "
+        self.console.print(f"{event.uav_id:<8}{mark}{event.text}", markup=False, highlight=False)

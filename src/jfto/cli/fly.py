@@ -76,7 +76,8 @@ def command(
     from jfto.fleet_session import open_fleet
     from jfto.flight_log import flight_object, new_flight_directory
     from jfto.simulated_fleet import grounds
-    from jfto_mavlink.fleet.fly import FlySettings, deliver_to_fleet, fly_fleet
+    from jfto_mavlink.fleet.fly import Fleet, FlySettings, deliver_to_fleet, fly_fleet
+    from jfto_mavlink.fleet.monitor import watch_fleet
     from jfto_mavlink.flight.preflight import GateSettings
     from jfto_world.motion.arducopter.takeoff import SPOOL_UP_S
 
@@ -108,9 +109,9 @@ def command(
         begin_s = None if start_at_s is None else start_at_s - SPOOL_UP_S
         settings = FlySettings(stagger, begin_s, checks)
         try:
-            records = fly_fleet(
-                session.runner, session.clock, release, missions, settings, screen.report
-            )
+            fleet = Fleet(session.runner, missions, screen.report)
+            watch_fleet(fleet, screen.event)
+            records = fly_fleet(fleet, release, settings)
         except KeyboardInterrupt:
             _say_interrupted(session)
             return EXIT_INTERRUPTED

@@ -171,8 +171,7 @@ def clear_command(debug: bool, yes: bool, **choices: Any) -> int:  # noqa: ARG00
 def sign(key_file: Path, create: bool, debug: bool, **choices: Any) -> int:  # noqa: ARG001
     """Give vehicles the signing key in FILE, over a cable: the key travels in the clear."""
     from jfto.cli.flight_screen import FlightScreen
-    from jfto.fleet_session import load_signer
-    from jfto_mavlink.io.signing import create_key
+    from jfto_mavlink.io.signing import create_key, load_signer
     from jfto_mavlink.protocol.exchange import Context, Exchange
     from jfto_mavlink.protocol.setup import setup_signing
 

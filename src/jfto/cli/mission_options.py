@@ -22,8 +22,9 @@ vehicles_option = click.option(
     metavar="ROSTER",
     multiple=True,
     required=True,
-    help="sim:N, or UAV=SYSID@LINK[#UID] per vehicle: uav1=1@udpin:0.0.0.0:14550. May be repeated "
-    "or separated by commas. Links: udpin:, udpout:, tcp:, serial:.",
+    help="sim: simulated ones. LINK: vehicles with system ids 1, 2 …, all on one link or each on "
+    "its own. Or UAV=SYSID@LINK[#UID] per vehicle: uav1=1@udpin:0.0.0.0:14550. May be repeated or "
+    "separated by commas. Links: udpin:, udpout:, tcp:, serial:.",
 )
 key_option = click.option(
     "--key", "key_file", type=PATH, metavar="FILE", help="MAVLink signing key, mode 0600."

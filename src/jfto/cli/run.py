@@ -108,7 +108,8 @@ def _vehicles(loaded: LoadedScenario, choices: dict[str, Any]) -> Vehicles:
     """Who flies; raises InputError or RosterError before anything is done."""
     from jfto.conduct.pace import default_speedup
     from jfto.conduct.word import require_word
-    from jfto.supervision.vehicles import are_simulated, choose_vehicles
+    from jfto.supervision.vehicles import choose_vehicles
+    from jfto_mavlink.fleet.roster import are_simulated
 
     texts, uavs = roster_texts(choices["vehicles"]), loaded.scenario.fleet.ids
     speedup = choices["speedup"]

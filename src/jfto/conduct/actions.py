@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from jfto_msgs_py.ros.events import ERROR, INFO, WARN
+from jfto_msgs_py.records.event import ERROR, INFO, WARN
 
 
 @dataclass(frozen=True)

@@ -26,9 +26,10 @@ from jfto.conduct.seen import Seen
 from jfto.field.keeper import FieldKeeper
 from jfto_msgs_py.errors import InputError, MessageError
 from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.event import Event
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.diagnostics import decode_diagnostics
-from jfto_msgs_py.ros.events import Event, decode_event, encode_event
+from jfto_msgs_py.ros.events import decode_event, encode_event
 from jfto_msgs_py.ros.network import decode_adjacency
 from jfto_msgs_py.ros.stamps import decode_time
 from jfto_msgs_py.ros.vehicle import decode_pose
@@ -124,7 +125,7 @@ class Client:
 
     def publish_event(self, level: int, kind: str, text: str) -> None:
         """Tell everybody, the recorder too, what happened and what was done."""
-        event = Event(self.now_ns, level, NODE_NAME, kind, "", " ".join(text.split()))
+        event = Event(level, kind, "", " ".join(text.split()), self.now_ns, NODE_NAME)
         self._events.publish(encode_event(event))
 
     def take_poses(self) -> None:

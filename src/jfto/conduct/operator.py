@@ -13,7 +13,7 @@ from rich.markup import escape
 
 from jfto.field.screen import FieldScreen
 from jfto.field.state import FieldState
-from jfto_msgs_py.ros.events import ERROR, WARN
+from jfto_msgs_py.records.event import ERROR, WARN
 
 # What has to be typed: Enter alone must not arm anything.
 WORD = "arm"

@@ -11,8 +11,8 @@ from jfto.field import phases
 from jfto.field.state import ERROR, INFO, WARNING, FieldEvent, FieldState, LinkField, UavField
 from jfto_msgs_py.network import Adjacency
 from jfto_msgs_py.plan import Plan
-from jfto_msgs_py.ros.events import ERROR as ERROR_LEVEL
-from jfto_msgs_py.ros.events import WARN, Event
+from jfto_msgs_py.records.event import ERROR as ERROR_LEVEL
+from jfto_msgs_py.records.event import WARN, Event
 from jfto_msgs_py.units import dbm_to_w, ratio_to_db
 from jfto_msgs_py.vehicle import VehiclePose
 from jfto_planner.plan_trajectory import timed_trajectories

@@ -14,7 +14,7 @@ from jfto.planning.scenario_file import BUILT_IN_DEM, SHARED, LoadedScenario
 from jfto.supervision.graph_table import BAG_NAME, ENERGY_NAME, LIFT_OFF_NAME
 from jfto.supervision.graph_table import FLIGHT_NAME as FLIGHT_STATE_NAME
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.write_file import write_file
+from jfto_msgs_py.files import write_file
 
 SCENARIO_NAME = "scenario.yaml"
 PLAN_NAME = "plan.json"

@@ -15,9 +15,9 @@ from jfto.planning.scenario_file import LoadedScenario, load_scenario
 from jfto.planning.survey import survey
 from jfto.planning.terrain import load_ground
 from jfto.report.figures import draw, plan_drawings
+from jfto_msgs_py.files import write_file
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.scenario.mission import EvaluationPart
-from jfto_msgs_py.write_file import write_file
 from jfto_world.terrain import Dem
 
 

@@ -11,7 +11,7 @@ from importlib import metadata
 from pathlib import Path
 
 import jfto
-from jfto_msgs_py.write_file import write_file
+from jfto_msgs_py.files import write_file
 
 MADE_NAME = "made.json"
 # Other versions of these may draw or compute otherwise.

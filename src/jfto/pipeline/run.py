@@ -30,10 +30,9 @@ from jfto.pipeline.products import Products, digest
 from jfto.planning.scenario_file import BUILT_IN_DEM, LoadedScenario, load_scenario
 from jfto.planning.terrain import load_ground
 from jfto_msgs_py.errors import InputError, JftoError, PlanError
+from jfto_msgs_py.files import read_text, write_file
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.plan_file import read_plan, write_plan
-from jfto_msgs_py.read_text import read_text
-from jfto_msgs_py.write_file import write_file
 
 if TYPE_CHECKING:
     from jfto.analysis.comparison import Comparison

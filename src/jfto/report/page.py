@@ -26,7 +26,7 @@ from jfto.analysis.passages import VISITED_M
 from jfto.report.palette import uav_colour
 from jfto.report.scene import FLOWN, scene_data
 from jfto_msgs_py.plan import Plan
-from jfto_msgs_py.ros.events import ERROR, WARN
+from jfto_msgs_py.records.event import ERROR, WARN
 from jfto_world.terrain import Dem
 
 # More of these are folded away, or left to the plan file.

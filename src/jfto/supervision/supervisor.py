@@ -13,7 +13,7 @@ from jfto.supervision.back_off import BackOff, BackOffSettings
 from jfto.supervision.log_tail import LogTail
 from jfto.supervision.process import NodeCommand, Process, ending
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.write_file import write_file
+from jfto_msgs_py.files import write_file
 
 # A node ends within 2 s of SIGINT; on a busy computer it gets more time, since one that is killed
 # while it ends counts as unclean.

@@ -5,20 +5,14 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from jfto.supervision.graph_table import WHO_FLIES, Parameters, Vehicles
 from jfto_mavlink.errors import RosterError
+from jfto_mavlink.fleet.roster import are_simulated, parse_vehicles
 from jfto_mavlink.io.address import free_udp_port, parse_address
-from jfto_mavlink.named_vehicles import read_roster, simulated_count
-from jfto_mavlink.options import BridgeOptions
 
-SIMULATED = "sim"
 FROM_SCENARIO = "roster"
-
-
-def are_simulated(texts: Sequence[str]) -> bool:
-    """Whether `--vehicles` names simulated ones: sim or sim:N."""
-    return texts[0].partition(":")[0] == SIMULATED
 
 
 def choose_vehicles(
@@ -38,13 +32,13 @@ def choose_vehicles(
     Raises RosterError, LinkAddressError.
     """
     if are_simulated(texts):
-        _check_simulated(texts, uavs)
+        parse_vehicles(texts, uavs)
         if key_file is not None:
             raise RosterError(201, "simulated vehicles start without a key; leave --key out.")
         return _simulated(speedup, options)
     if speedup != 1.0:
         raise RosterError(201, "--speedup is for simulated vehicles (sim); real ones keep time.")
-    bridge: dict[str, object]
+    bridge: dict[str, Any]
     if tuple(texts) == (FROM_SCENARIO,):
         bridge = {key: options[key] for key in WHO_FLIES if key in options}
         if not bridge.get("roster") and not bridge.get("endpoints"):
@@ -59,24 +53,13 @@ def choose_vehicles(
         bridge["key_file"] = str(key_file)
     if arm:
         bridge["allow_arming"] = True
-    asked = BridgeOptions(**bridge)  # type: ignore[arg-type]
-    if simulated_count(asked) is None:
-        read_roster(asked, uavs)
+    parse_vehicles(bridge.get("roster", ()), uavs, bridge.get("endpoints", ()))
     return Vehicles(simulated=False, given={"mavlink_bridge": bridge}, suited=_lift_off(options))
 
 
 def _lift_off(options: Mapping[str, object]) -> Parameters:
     """Missions begin when the fleet does; streamed trajectories are flown by the clock."""
     return {} if options.get("guided") else {"planner_node": {"await_lift_off": True}}
-
-
-def _check_simulated(texts: Sequence[str], uavs: Sequence[str]) -> None:
-    count = texts[0].partition(":")[2]
-    if len(texts) != 1 or (count and count != str(len(uavs))):
-        raise RosterError(
-            201, f"{','.join(texts)}: the fleet has {len(uavs)} UAVs, so it must be sim or "
-            f"sim:{len(uavs)}."
-        )  # fmt: skip
 
 
 def _simulated(speedup: float, options: Mapping[str, object]) -> Vehicles:

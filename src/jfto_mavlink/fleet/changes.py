@@ -1,85 +1,16 @@
-"""Changes of a vehicle's state that an operator must learn of, found by comparing."""
+"""What is to be told of one vehicle, found by comparing two states that follow each other."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
 
-from jfto_mavlink.dialect import mavlink, mode_name
 from jfto_mavlink.flight.telemetry import LinkState
-from jfto_mavlink.protocol.vehicle_state import VehicleState
-from jfto_msgs_py.ros.events import ERROR, INFO, WARN
-
-LOST_AFTER_S = 5.0
-LANDED = {1: "on the ground", 2: "in the air", 3: "taking off", 4: "landing"}
-
-
-@dataclass(frozen=True)
-class Event:
-    """Something that happened to a vehicle. `kind` is a word for programs, `text` for people."""
-
-    at_s: float
-    uav: str
-    kind: str
-    text: str
-
-
-@dataclass
-class Watch:
-    """Remembers what was last told about one vehicle."""
-
-    vehicle: VehicleState
-    lost_after_s: float = LOST_AFTER_S
-    battery_low_percent: int = 25
-    _told: tuple[object, ...] = ()
-    _lost: bool = True
-    _low: bool = False
-
-    def look(self, now_s: float) -> list[Event]:
-        """Events since the last look, oldest first."""
-        vehicle = self.vehicle
-        found: list[tuple[str, str]] = []
-        lost = vehicle.silent_s(now_s) > self.lost_after_s
-        if lost != self._lost:
-            self._lost = lost
-            found.append(("link_lost", "link lost") if lost else ("link", "heard"))
-        found += self._state_changes()
-        percent = vehicle.battery_percent
-        if percent is not None and (percent < self.battery_low_percent) != self._low:
-            self._low = not self._low
-            found.append(("battery_low" if self._low else "battery", f"battery {percent} %"))
-        return [Event(now_s, vehicle.uav, kind, text) for kind, text in found]
-
-    @property
-    def lost(self) -> bool:
-        """Whether the vehicle is silent."""
-        return self._lost
-
-    def _state_changes(self) -> list[tuple[str, str]]:
-        vehicle = self.vehicle
-        failsafe = vehicle.system_status == mavlink.MAV_STATE_CRITICAL
-        now = (
-            vehicle.mode,
-            vehicle.armed,
-            vehicle.landed_state,
-            failsafe,
-            vehicle.fence_breached,
-            vehicle.reboots,
-        )
-        before = self._told or (None, False, None, False, False, 0)
-        self._told = now
-        words = (
-            ("mode", f"mode {mode_name(vehicle.mode)}"),
-            ("armed", "armed" if vehicle.armed else "disarmed"),
-            ("landed", LANDED.get(vehicle.landed_state or 0, "unknown")),
-            ("failsafe", "failsafe" if failsafe else "failsafe over"),
-            ("fence", "fence breached" if vehicle.fence_breached else "inside the fence"),
-            ("reboot", "booted again"),
-        )
-        return [word for word, old, new in zip(words, before, now, strict=True) if old != new]
-
+from jfto_msgs_py.records.event import DEBUG, ERROR, INFO, WARN, Event
 
 GPS_FIX_3D = 3
 BATTERY_LOW_PERCENT = 25
+LEAVING = ("RTL", "SMART_RTL", "LAND")
+_LANDED = {1: "on the ground", 2: "in the air", 3: "taking off", 4: "landing"}
 # How a vehicle's text begins, the kind of the event, and what to call it.
 _CAUSES = (
     ("Battery 1 is", "battery", ""),
@@ -94,25 +25,43 @@ _DOES = {
     "LAND": "lands where it is",
     "AUTO": "flies its mission again",
 }
-LEAVING = ("RTL", "SMART_RTL", "LAND")
 
 
-@dataclass(frozen=True)
-class Notice:
-    """One line for the operator, as an event says it; `uav` "" means the fleet."""
+def state_changes(before: LinkState, now: LinkState) -> list[Event]:
+    """Changes of plain state, at DEBUG: for a log, whoever ordered them."""
+    changed = (
+        ("link", "heard", math.isinf(before.silent_s) and not math.isinf(now.silent_s)),
+        ("mode", f"mode {now.mode}", now.mode != before.mode),
+        ("armed", "armed" if now.armed else "disarmed", now.armed != before.armed),
+        (
+            "landed",
+            _LANDED.get(now.landed_state or 0, "unknown"),
+            now.landed_state != before.landed_state,
+        ),
+        (
+            "failsafe",
+            "failsafe" if now.failsafe else "failsafe over",
+            now.failsafe != before.failsafe,
+        ),
+        (
+            "fence",
+            "fence breached" if now.fence_breached else "inside the fence",
+            now.fence_breached != before.fence_breached,
+        ),
+        ("reboot", "booted again", now.reboots != before.reboots),
+    )
+    return [Event(DEBUG, kind, now.uav, text) for kind, text, is_new in changed if is_new]
 
-    level: int
-    kind: str
-    uav: str
-    text: str
 
+def troubles_in_flight(before: LinkState, now: LinkState) -> list[Event]:
+    """What an operator must learn of a flying vehicle, except who is heard and who has landed.
 
-def changes(before: LinkState, now: LinkState) -> list[Notice]:
-    """What has changed in flight between two states, except who is heard and who has landed."""
+    The texts say what happened and what the vehicle does about it; they lack their full stop.
+    """
     found = [*_mode(before, now), *_gps(before, now), *_battery(before, now)]
     if now.reboots > before.reboots:
         text = "booted again in the air; nothing can be ordered until it is ready"
-        found.append(Notice(ERROR, "vehicle", now.uav, f"{now.uav} {text}"))
+        found.append(Event(ERROR, "vehicle", now.uav, f"{now.uav} {text}"))
     return found
 
 
@@ -122,14 +71,14 @@ def place_text(state: LinkState) -> str:
     return f"{lat_deg:.6f} {lon_deg:.6f}, {height_m:.0f} m above its pad"
 
 
-def _mode(before: LinkState, now: LinkState) -> list[Notice]:
+def _mode(before: LinkState, now: LinkState) -> list[Event]:
     if now.mode == before.mode or now.ordered:
         return []
     kind, reason = _cause(now)
     does = _DOES.get(now.mode, f"is in {now.mode}; order abort to bring it home")
     where = f" at {place_text(now)}" if now.mode == "LAND" else ""
     text = f"{now.uav} {reason}: by itself it {does}{where}"
-    return [Notice(WARN if now.mode == "AUTO" else ERROR, kind, now.uav, text)]
+    return [Event(WARN if now.mode == "AUTO" else ERROR, kind, now.uav, text)]
 
 
 def _cause(state: LinkState) -> tuple[str, str]:
@@ -141,29 +90,29 @@ def _cause(state: LinkState) -> tuple[str, str]:
     return "mode", "changed its mode, which nobody ordered here"
 
 
-def _gps(before: LinkState, now: LinkState) -> list[Notice]:
+def _gps(before: LinkState, now: LinkState) -> list[Event]:
     if before.gps_fix is None or now.gps_fix is None:
         return []
     had, has = before.gps_fix >= GPS_FIX_3D, now.gps_fix >= GPS_FIX_3D
     if had == has:
         return []
     if has:
-        return [Notice(INFO, "gps", now.uav, f"{now.uav} has its GPS back, in {now.mode}")]
+        return [Event(INFO, "gps", now.uav, f"{now.uav} has its GPS back, in {now.mode}")]
     text = f"has lost its GPS: it flies on in {now.mode} until its own failsafe lands it"
-    return [Notice(ERROR, "gps", now.uav, f"{now.uav} {text}")]
+    return [Event(ERROR, "gps", now.uav, f"{now.uav} {text}")]
 
 
-def _battery(before: LinkState, now: LinkState) -> list[Notice]:
+def _battery(before: LinkState, now: LinkState) -> list[Event]:
     found = []
     told = [text for text in before.texts if text.startswith("Battery 1 is")]
     fresh = [text for text in told if text not in now.texts]
     if fresh and now.mode not in LEAVING:
         # Said long enough ago: its failsafe would have acted by now.
         text = f"says {fresh[-1]}, and no failsafe has acted: it flies on in {now.mode}"
-        found.append(Notice(ERROR, "battery", now.uav, f"{now.uav} {text}"))
+        found.append(Event(ERROR, "battery", now.uav, f"{now.uav} {text}"))
     if before.battery_percent is not None and now.battery_percent is not None:
         low, was = (p < BATTERY_LOW_PERCENT for p in (now.battery_percent, before.battery_percent))
         if low and not was:
             text = f"{now.uav} has {now.battery_percent} % of its battery left and flies on"
-            found.append(Notice(WARN, "battery", now.uav, text))
+            found.append(Event(WARN, "battery", now.uav, text))
     return found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from jfto_mavlink.errors import FlightError, RosterError
 from jfto_mavlink.fleet.roster import Roster
@@ -15,8 +15,7 @@ from jfto_mavlink.mission.build import VehicleMission
 from jfto_mavlink.mission.deliver import Delivered, deliver
 from jfto_mavlink.protocol.exchange import Context, Exchange, Report
 from jfto_mavlink.protocol.item import Mission
-from jfto_mavlink.protocol.timesync import Clock
-from jfto_mavlink.protocol.transfer import Patience
+from jfto_mavlink.protocol.transfer import POLICY, TransferPolicy
 from jfto_mavlink.protocol.vehicle_state import VehicleState
 
 T = TypeVar("T")
@@ -24,9 +23,24 @@ Reporter = Callable[[str, Report], None]
 
 
 class Runner(Protocol):
-    """What runs conversations with several vehicles at once (the bridge does)."""
+    """What runs conversations with the vehicles of a roster (the fleet's link does)."""
 
     roster: Roster
+
+    @property
+    def lost_after_s(self) -> float:
+        """Silence after which a vehicle is lost."""
+
+    def clock(self) -> float:
+        """Seconds that conversations and silences are counted in."""
+
+    def start(
+        self,
+        uav: str,
+        job: Callable[[Context], Exchange[T]],
+        report: Reporter | None = None,
+    ) -> Any:
+        """Begin a conversation that goes on by itself."""
 
     def run(
         self,
@@ -67,7 +81,7 @@ def deliver_to_fleet(
     runner: Runner,
     missions: Mapping[str, Mission],
     report: Reporter | None = None,
-    patience: Patience | None = None,
+    policy: TransferPolicy = POLICY,
 ) -> FleetDelivery:
     """Upload to all vehicles at once, read back and compare; ends with a result for each.
 
@@ -81,7 +95,7 @@ def deliver_to_fleet(
         )
 
     def job(mission: Mission) -> Callable[[Context], Exchange[Delivered]]:
-        return lambda context: deliver(context, mission, patience)
+        return lambda context: deliver(context, mission, policy)
 
     results = runner.run({uav: job(mission) for uav, mission in missions.items()}, report)
     delivered = {uav: r for uav, r in results.items() if isinstance(r, Delivered)}
@@ -106,45 +120,44 @@ class FlySettings:
     gate: GateSettings = field(default_factory=GateSettings)
 
 
-def check_fleet(
-    runner: Runner,
-    release: Release,
-    missions: Mapping[str, VehicleMission],
-    settings: GateSettings,
-    report: Reporter | None = None,
-) -> None:
+@dataclass(frozen=True)
+class Fleet:
+    """Vehicles that can be spoken to, the missions they are to fly, and who is told how it goes."""
+
+    runner: Runner
+    missions: Mapping[str, VehicleMission]
+    report: Reporter | None = None
+
+    def run(self, job: Callable[[Context], Exchange[T]]) -> dict[str, T | Exception]:
+        """The same conversation with all vehicles at once: result or error of each."""
+        return self.runner.run(dict.fromkeys(self.missions, job), self.report)
+
+    def check(self, gate: Callable[[Context], Exchange[tuple[str, ...]]]) -> None:
+        """Hold every vehicle at a gate; raises FlightError 601 with all that speaks against it."""
+        found: list[str] = []
+        for result in self.run(gate).values():
+            found += [str(result)] if isinstance(result, Exception) else result
+        if found:
+            raise FlightError(601, "No vehicle is armed. " + "; ".join(found) + ".")
+
+
+def check_fleet(fleet: Fleet, release: Release, settings: GateSettings) -> None:
     """Hold every vehicle at the gate; raises FlightError 601 with all that speaks against it."""
 
-    def job(uav: str) -> Callable[[Context], Exchange[tuple[str, ...]]]:
-        home = missions[uav].home_deg_m[:2]
-        return lambda context: gate(context, release.missions[uav], home, settings)
+    def job(context: Context) -> Exchange[tuple[str, ...]]:
+        home = fleet.missions[context.uav].home_deg_m[:2]
+        return gate(context, release.missions[context.uav], home, settings)
 
-    results = runner.run({uav: job(uav) for uav in release.missions}, report)
-    found: list[str] = []
-    for result in results.values():
-        found += [str(result)] if isinstance(result, Exception) else result
-    if found:
-        raise FlightError(601, "No vehicle is armed. " + "; ".join(found) + ".")
+    fleet.check(job)
 
 
-def fly_fleet(
-    runner: Runner,
-    clock: Clock,
-    release: Release,
-    missions: Mapping[str, VehicleMission],
-    settings: FlySettings,
-    report: Reporter | None = None,
-) -> dict[str, FlightRecord]:
+def fly_fleet(fleet: Fleet, release: Release, settings: FlySettings) -> dict[str, FlightRecord]:
     """Check, start and follow all vehicles; returns their flight records.
 
     If one does not start, those in the air are called home and FlightError 601 says so.
     """
-    line = _checked_line(runner, clock, release, missions, settings, report)
-
-    def journey(uav: str) -> Callable[[Context], Exchange[FlightRecord]]:
-        return lambda context: _journey(context, line, missions[uav])
-
-    results = runner.run({uav: journey(uav) for uav in missions}, report)
+    line = _checked_line(fleet, release, settings)
+    results = fleet.run(lambda context: _journey(context, line, fleet.missions[context.uav]))
     failed = {uav: r for uav, r in results.items() if isinstance(r, Exception)}
     if failed:
         reasons = " ".join(str(error) for error in failed.values())
@@ -153,12 +166,9 @@ def fly_fleet(
 
 
 def start_fleet(
-    runner: Runner,
-    clock: Clock,
+    fleet: Fleet,
     release: Release,
-    missions: Mapping[str, VehicleMission],
     settings: FlySettings,
-    report: Reporter | None = None,
     begun: Callable[[StartLine], None] = lambda _line: None,
 ) -> None:
     """Check and start all vehicles, and leave them to their missions once they fly.
@@ -166,45 +176,33 @@ def start_fleet(
     `begun` is given the line before anybody arms: a text in its `failed` holds everybody back. If
     one does not start, those in the air are called home and FlightError 603 says so.
     """
-    line = _checked_line(runner, clock, release, missions, settings, report)
+    line = _checked_line(fleet, release, settings)
     begun(line)
-
-    def job(context: Context) -> Exchange[float]:
-        return unless_called_off(line, start(context, line))
-
-    results = runner.run(dict.fromkeys(missions, job), report)
-    recall_where_failed(runner, results, report)
+    start_together(fleet, line, lambda context: start(context, line))
 
 
-def recall_where_failed(
-    runner: Runner, results: Mapping[str, object], report: Reporter | None
-) -> None:
-    """Call the others home if one did not start; raises FlightError 603 then."""
+def start_together(fleet: Fleet, line: StartLine, job: Callable[[Context], Exchange[Any]]) -> None:
+    """Start all vehicles of a line; raises FlightError 603 and calls all home if one does not."""
+    results = fleet.run(lambda context: unless_called_off(line, job(context)))
     failed = {uav: r for uav, r in results.items() if isinstance(r, Exception)}
     if not failed:
         return
     reasons = " ".join(str(error) for error in failed.values())
     flying = [uav for uav in results if uav not in failed]
-    recalled = runner.run(dict.fromkeys(flying, return_home), report)
+    recalled = fleet.runner.run(dict.fromkeys(flying, return_home), fleet.report)
     lost = [str(error) for error in recalled.values() if isinstance(error, Exception)]
     after = f" Called home: {', '.join(flying)}." if flying else ""
     raise FlightError(603, " ".join([f"The start was broken off: {reasons}{after}", *lost]))
 
 
-def _checked_line(
-    runner: Runner,
-    clock: Clock,
-    release: Release,
-    missions: Mapping[str, VehicleMission],
-    settings: FlySettings,
-    report: Reporter | None,
-) -> StartLine:
+def _checked_line(fleet: Fleet, release: Release, settings: FlySettings) -> StartLine:
     """Who starts when, after all have passed the gate with the missions released."""
+    missions = fleet.missions
     stale = [u for u, m in missions.items() if release.digests.get(u) != m.digest]
     if stale or set(release.digests) != set(missions):
         raise FlightError(602, f"{', '.join(stale) or 'the fleet'}: not the released mission.")
-    check_fleet(runner, release, missions, settings.gate, report)
-    begin_s = clock() + PREPARE_S
+    check_fleet(fleet, release, settings.gate)
+    begin_s = fleet.runner.clock() + PREPARE_S
     if settings.start_at_s is not None:
         if settings.start_at_s < begin_s:
             raise FlightError(

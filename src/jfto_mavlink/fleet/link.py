@@ -1,4 +1,4 @@
-"""The bridge: one thread that drains every link, and a way to hand it work from any other.
+"""The links to a fleet: one thread that drains them, and a way to hand it work from any other.
 
 Nothing in the loop waits for a vehicle or a line: conversations are exchanges, links drop what they
 cannot send. Callers wait in their own thread.
@@ -13,6 +13,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import TracebackType
 from typing import TypeVar
@@ -20,9 +21,9 @@ from typing import TypeVar
 from jfto_mavlink.dialect import Message
 from jfto_mavlink.errors import LinkError, RosterError
 from jfto_mavlink.files.tlog import TlogWriter
-from jfto_mavlink.fleet.changes import LOST_AFTER_S, Event
 from jfto_mavlink.fleet.roster import Roster
 from jfto_mavlink.fleet.station import GroundStation
+from jfto_mavlink.flight.telemetry import LOST_AFTER_S
 from jfto_mavlink.io.address import LinkAddress
 from jfto_mavlink.io.port import Port, Station
 from jfto_mavlink.io.signing import Signer
@@ -31,30 +32,45 @@ from jfto_mavlink.protocol.exchange import Activity, Context, Exchange, Report
 from jfto_mavlink.protocol.setup import DEFAULT_RATES
 from jfto_mavlink.protocol.timesync import Clock, PacedClock, ScaledClock
 from jfto_mavlink.protocol.vehicle_state import VehicleState
+from jfto_msgs_py.records.event import WARN, Event
 
 # Longest sleep between two looks at clocks, in wall seconds.
 LOOP_S = 0.05
 T = TypeVar("T")
 
 
+@dataclass(frozen=True)
+class LinkSettings:
+    """How the station speaks: its name on the wire, its signatures, the message rates (id to Hz).
+
+    A .tlog per vehicle is written to `log_directory`; None: nowhere.
+    """
+
+    station: Station = field(default_factory=Station)
+    signer: Signer | None = None
+    rates: Mapping[int, float] = field(default_factory=lambda: DEFAULT_RATES)
+    log_directory: Path | None = None
+
+
 class FleetLink:
-    """Vehicles of a roster over their links. Use as a context manager."""
+    """Vehicles of a roster over their links. Use as a context manager.
+
+    `clock` is what their silences are counted on, the wall's where None, and `unix` UTC as they
+    should have it. `on_event` is told, in the link's thread, what becomes of the link itself.
+    """
 
     def __init__(
         self,
         roster: Roster,
+        settings: LinkSettings | None = None,
         *,
-        station: Station | None = None,
         clock: PacedClock | None = None,
         unix: Clock = time.time,
-        signer: Signer | None = None,
-        log_directory: Path | None = None,
-        rates: Mapping[int, float] = DEFAULT_RATES,
         on_event: Callable[[Event], None] | None = None,
     ) -> None:
         self.clock: PacedClock = clock or ScaledClock()
         self.roster = roster
-        station = station or Station()
+        settings = settings or LinkSettings()
         self._ports: dict[LinkAddress, Port] = {}
         self._logs: dict[str, TlogWriter] = {}
         self._unix = unix
@@ -68,10 +84,10 @@ class FleetLink:
         self._stopping = False
         try:
             for index, link in enumerate(roster.links):
-                self._ports[link] = Port(link, station, index, signer)
-            if log_directory is not None:
+                self._ports[link] = Port(link, settings.station, index, settings.signer)
+            if settings.log_directory is not None:
                 for uav in roster.uavs:
-                    self._logs[uav] = TlogWriter(log_directory / f"{uav}.tlog")
+                    self._logs[uav] = TlogWriter(settings.log_directory / f"{uav}.tlog")
         except Exception:
             self._release()
             raise
@@ -80,14 +96,11 @@ class FleetLink:
             self._transmit,
             self.clock,
             unix,
-            station=station,
-            rates=rates,
+            station=settings.station,
+            rates=settings.rates,
             log=self._write_log if self._logs else None,
-            on_event=on_event,
-            # A busy computer stalls a sped-up simulation for seconds of its own time.
-            lost_after_s=LOST_AFTER_S * max(1.0, self.clock.speedup / 4),
         )
-        self._thread = threading.Thread(target=self._loop, name="mavlink bridge", daemon=True)
+        self._thread = threading.Thread(target=self._loop, name="mavlink links", daemon=True)
 
     def __enter__(self) -> FleetLink:
         self._thread.start()
@@ -113,6 +126,14 @@ class FleetLink:
     def ports(self) -> tuple[Port, ...]:
         """The open links."""
         return tuple(self._ports.values())
+
+    @property
+    def lost_after_s(self) -> float:
+        """Silence after which a vehicle is lost, on `clock`.
+
+        A busy computer stalls a sped-up simulation for seconds of its own time.
+        """
+        return LOST_AFTER_S * max(1.0, self.clock.speedup / 4)
 
     def vehicle(self, uav: str) -> VehicleState:
         """State of a vehicle, kept up to date by the loop."""
@@ -165,7 +186,7 @@ class FleetLink:
     def wait_heard(self, timeout_s: float) -> None:
         """Wait until each vehicle has been heard and has told who it is.
 
-        `timeout_s` is on the bridge's clock. Raises RosterError that names all missing vehicles.
+        `timeout_s` is on `clock`. Raises RosterError that names all missing vehicles.
         """
         until_s = self.clock() + timeout_s
         done = threading.Event()
@@ -270,7 +291,7 @@ class FleetLink:
             self._logs.pop(uav).close()
             if self._on_event is not None:
                 text = f"log {log.path} ended: {error.strerror}"
-                self._on_event(Event(self.clock(), uav, "log", text))
+                self._on_event(Event(WARN, "log", uav, text, round(self.clock() * 1e9)))
 
     def _release(self) -> None:
         for port in self._ports.values():

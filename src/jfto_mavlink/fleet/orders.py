@@ -13,20 +13,19 @@ from dataclasses import dataclass, field
 from jfto_mavlink.dialect import MODES, mavlink
 from jfto_mavlink.errors import FlightError
 from jfto_mavlink.fleet.fly import (
+    Fleet,
     FlySettings,
     Release,
-    Reporter,
     check_fleet,
     deliver_to_fleet,
     start_fleet,
 )
-from jfto_mavlink.fleet.link import FleetLink
 from jfto_mavlink.flight.control import StartLine, disarm, land, pause, resume, return_home
 from jfto_mavlink.flight.preflight import GateSettings
-from jfto_mavlink.mission.build import VehicleMission
 from jfto_mavlink.mission.deliver import verify
 from jfto_mavlink.protocol.exchange import Context, Exchange, wait_until
 from jfto_mavlink.protocol.vehicle_state import VehicleState
+from jfto_msgs_py.vehicle import TimedTrajectory
 
 # After this long the heartbeat shows whether a start under way has armed a vehicle.
 SETTLE_S = 1.5
@@ -44,19 +43,11 @@ class OrderSettings:
 
 
 class FleetOrders:
-    """Flies missions of a plan in AUTO."""
+    """Flies missions of a plan in AUTO; trajectories are offered to it and let be."""
 
-    def __init__(
-        self,
-        bridge: FleetLink,
-        missions: Mapping[str, VehicleMission],
-        settings: OrderSettings,
-        report: Reporter,
-    ) -> None:
-        self.bridge = bridge
-        self.missions = dict(missions)
-        self.settings = settings
-        self.report = report
+    def __init__(self, fleet: Fleet, settings: OrderSettings) -> None:
+        self.fleet, self.settings = fleet, settings
+        self.missions = dict(fleet.missions)
         self._release: Release | None = None
         self._line: StartLine | None = None
         self._starting = False
@@ -69,7 +60,7 @@ class FleetOrders:
         with self._order("upload"):
             self._release = None
             sent = {uav: mission.mission for uav, mission in self.missions.items()}
-            self._release = deliver_to_fleet(self.bridge, sent, self.report).release()
+            self._release = deliver_to_fleet(self.fleet.runner, sent, self.fleet.report).release()
             hashes = ", ".join(f"{u} {d[:12]}" for u, d in self._release.digests.items())
             return f"{len(sent)} missions on board and verified: {hashes}"
 
@@ -77,23 +68,14 @@ class FleetOrders:
         """Hold every vehicle at the gate before arming, and arm none."""
         with self._order("check"):
             release = self._release or self._read_back()
-            gate = self.settings.gate
-            check_fleet(self.bridge, release, self.missions, gate, self.report)
+            check_fleet(self.fleet, release, self.settings.gate)
             return f"ready to arm: {', '.join(self.missions)}"
 
     def start(self) -> str:
         """Check, arm and start all vehicles; returns when all fly."""
         with self._start_order():
             release = self._release or self._read_back()
-            start_fleet(
-                self.bridge,
-                self.bridge.clock,
-                release,
-                self.missions,
-                FlySettings(gate=self.settings.gate),
-                self.report,
-                self._begun,
-            )
+            start_fleet(self.fleet, release, FlySettings(gate=self.settings.gate), self._begun)
             return f"flying: {', '.join(self.missions)}"
 
     def pause(self) -> str:
@@ -126,16 +108,30 @@ class FleetOrders:
             yield from disarm(context)
             return "on the ground"
 
-        results = self.bridge.run(dict.fromkeys(self.missions, job), self.report)
-        return _told(results, str)
+        return _told(self.fleet.run(job), str)
 
     def close(self) -> None:
         """Nothing to end: missions are flown by the vehicles themselves."""
 
+    def take(self, uav: str, trajectory: TimedTrajectory) -> None:
+        """A vehicle's trajectory has come; may raise MissionError."""
+
+    def confirm(self, uav: str) -> None:
+        """The source of a vehicle's trajectory is still there."""
+
+    def streaming(self, uav: str) -> str:  # noqa: ARG002
+        """What the stream of a vehicle does, in words; "" where nothing is streamed."""
+        return ""
+
+    def begun_ns(self, flown_ns: Callable[[], int | None]) -> int | None:
+        """Time zero of a flight, ns; `flown_ns` tells what the vehicles make of it."""
+        return flown_ns()
+
     def _read_back(self) -> Release:
         """The release that an earlier run of this program gave, proven anew."""
-        jobs = {uav: _verify_job(mission) for uav, mission in self.missions.items()}
-        results = self.bridge.run(jobs, self.report)
+        results = self.fleet.run(
+            lambda context: verify(context, self.missions[context.uav].mission)
+        )
         wrong = [uav for uav, result in results.items() if result]
         if wrong:
             raise FlightError(406, f"{', '.join(wrong)}: not the plan's mission on board. Upload.")
@@ -150,7 +146,7 @@ class FleetOrders:
             raise FlightError(601, "start called off, because the operator aborted.")
 
     def _flying(self, wanted: Callable[[VehicleState], bool]) -> list[str]:
-        vehicles = {uav: self.bridge.vehicle(uav) for uav in self.missions}
+        vehicles = {uav: self.fleet.runner.vehicle(uav) for uav in self.missions}
         chosen = [uav for uav, v in vehicles.items() if in_flight(v) and wanted(v)]
         if not chosen:
             modes = ", ".join(
@@ -161,7 +157,7 @@ class FleetOrders:
         return chosen
 
     def _all(self, chosen: list[str], job: Callable[[Context], Exchange[None]], word: str) -> str:
-        results = self.bridge.run(dict.fromkeys(chosen, job), self.report)
+        results = self.fleet.runner.run(dict.fromkeys(chosen, job), self.fleet.report)
         others = [uav for uav in self.missions if uav not in chosen]
         rest = f"; left alone: {', '.join(others)}" if others else ""
         return _told(results, lambda _result: word) + rest
@@ -193,10 +189,6 @@ class FleetOrders:
 def in_flight(vehicle: VehicleState) -> bool:
     """Whether a vehicle is armed and not known to stand on the ground."""
     return vehicle.armed and vehicle.landed_state != mavlink.MAV_LANDED_STATE_ON_GROUND
-
-
-def _verify_job(mission: VehicleMission) -> Callable[[Context], Exchange[tuple[str, ...]]]:
-    return lambda context: verify(context, mission.mission)
 
 
 def _told(results: Mapping[str, object], word: Callable[[object], str]) -> str:

@@ -10,6 +10,8 @@ from jfto_mavlink.errors import RosterError
 from jfto_mavlink.io.address import LinkAddress, parse_address
 from jfto_mavlink.io.transport import Peer
 
+SIMULATED = "sim"
+
 
 @dataclass(frozen=True)
 class RosterEntry:
@@ -66,6 +68,70 @@ class Roster:
 def parse_roster(texts: Sequence[str]) -> Roster:
     """Read entries of the form UAV=SYSID@LINK or UAV=SYSID@LINK#UID; raises RosterError."""
     return Roster(tuple(_parse_entry(text) for text in texts))
+
+
+def are_simulated(texts: Sequence[str]) -> bool:
+    """Whether texts name simulated vehicles: sim, or sim:N."""
+    return any(text.partition(":")[0] == SIMULATED for text in texts)
+
+
+def parse_vehicles(
+    texts: Sequence[str], uavs: Sequence[str], endpoints: Sequence[str] = ()
+) -> Roster | None:
+    """The roster that texts name of the UAVs of a plan, None for simulated vehicles.
+
+    `texts` is one of: sim or sim:N; links, one for all UAVs or one each, which then have the system
+    ids 1, 2 …; entries UAV=SYSID[@LINK][#UID], of which those without a link take the `endpoints`,
+    one for all or one each; nothing, where the endpoints are the links. Without a plan (no `uavs`)
+    entries name whom they like, and links are those of uav1, uav2 … Raises RosterError and
+    LinkAddressError.
+    """
+    if are_simulated(texts):
+        _check_simulated(texts, uavs)
+        return None
+    if not any("=" in text for text in texts):
+        endpoints = [*map(_link, texts)] or endpoints
+        names = uavs or [f"uav{n}" for n in range(1, len(endpoints) + 1)]
+        texts = [f"{uav}={n}" for n, uav in enumerate(names, 1)]
+    roster = parse_roster(_with_links(texts, endpoints))
+    odd = set(roster.uavs) ^ set(uavs)
+    if uavs and odd:
+        raise RosterError(
+            205, f"{', '.join(sorted(odd))}: in the fleet or in the roster, not in both."
+        )
+    return roster
+
+
+def _link(text: str) -> str:
+    if ":" not in text:
+        raise RosterError(
+            201, f'"{text}" is neither a link, such as udpin:0.0.0.0:14550, nor UAV=SYSID@LINK.'
+        )
+    return str(parse_address(text))
+
+
+def _with_links(texts: Sequence[str], endpoints: Sequence[str]) -> list[str]:
+    bare = [text for text in texts if "@" not in text]
+    links = [*endpoints] * len(bare) if len(endpoints) == 1 else [*endpoints]
+    if len(links) != len(bare):
+        raise RosterError(
+            201,
+            f"{len(bare)} roster entries have no @LINK and endpoints has {len(endpoints)}; "
+            "give one for all, or one each.",
+        )
+    taken = iter(links)
+    return [text if "@" in text else f"{text}@{next(taken)}" for text in texts]
+
+
+def _check_simulated(texts: Sequence[str], uavs: Sequence[str]) -> None:
+    said = ",".join(texts)
+    if not uavs:
+        raise RosterError(201, f"{said}: simulated vehicles stand on the pads of a plan; name one.")
+    if said not in {SIMULATED, f"{SIMULATED}:{len(uavs)}"}:
+        raise RosterError(
+            201,
+            f"{said}: the fleet has {len(uavs)} UAVs, so it must be sim or sim:{len(uavs)}.",
+        )
 
 
 def _parse_entry(text: str) -> RosterEntry:

@@ -1,4 +1,4 @@
-"""The bridge's inside, without sockets: vehicles, their conversations, heartbeats, clocks.
+"""The ground station without sockets: vehicles, their conversations, heartbeats, clocks.
 
 `handle` takes frames, `tick` lets time pass; what is to be sent goes out through `transmit`.
 """
@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 
 from jfto_mavlink.dialect import Message, mavlink
 from jfto_mavlink.errors import RosterError
-from jfto_mavlink.fleet.changes import LOST_AFTER_S, Event, Watch
 from jfto_mavlink.fleet.roster import Identity, Roster, RosterEntry
 from jfto_mavlink.io.address import LinkAddress
 from jfto_mavlink.io.framing import Frame
@@ -46,7 +45,6 @@ class Track:
     vehicle: VehicleState
     identity: Identity
     context: Context
-    watch: Watch
     activities: list[Activity[object]] = field(default_factory=list)
     greeting: Activity[object] | None = None
     greeted_boot: int = -1
@@ -66,10 +64,7 @@ class GroundStation:
         station: Station | None = None,
         rates: Mapping[int, float] = DEFAULT_RATES,
         log: Callable[[str, bytes], None] | None = None,
-        on_event: Callable[[Event], None] | None = None,
-        lost_after_s: float = LOST_AFTER_S,
     ) -> None:
-        self.lost_after_s = lost_after_s
         self.roster = roster
         self.id = station or Station()
         self.foreign: Counter[tuple[str, int]] = Counter()
@@ -78,7 +73,6 @@ class GroundStation:
         self._unix = unix
         self._rates = rates
         self._log = log or (lambda _uav, _raw: None)
-        self._on_event = on_event or (lambda _event: None)
         self._heartbeat_s = self._timesync_s = self._looked_s = float("-inf")
         self.tracks = {entry.uav: self._track(entry) for entry in roster.entries}
 
@@ -93,7 +87,7 @@ class GroundStation:
             round_trip=vehicle.time_sync.round_trip,
         )
         identity = Identity(entry.uav, entry.sysid, entry.uid)
-        return Track(entry, vehicle, identity, context, Watch(vehicle, self.lost_after_s))
+        return Track(entry, vehicle, identity, context)
 
     def vehicle(self, uav: str) -> VehicleState:
         """State of a vehicle; raises RosterError for a name that is not in the roster."""
@@ -124,6 +118,7 @@ class GroundStation:
             self._count_foreign(link, frame.system)
             return
         track, now_s, message = self.tracks[entry.uav], self._clock(), frame.message
+        self._forgive(now_s)
         if frame.component != track.context.compid:
             return
         believed = track.identity.heard(peer, now_s)
@@ -152,8 +147,6 @@ class GroundStation:
             for activity in track.activities:
                 activity.tick(now_s)
             track.activities = [a for a in track.activities if not a.done]
-            for event in track.watch.look(now_s):
-                self._on_event(event)
             if track.vehicle.heartbeat_s is None:
                 continue
             if sync:

@@ -14,7 +14,7 @@ from jfto_mavlink.mission.deliver import Delivered, deliver
 from jfto_mavlink.protocol.command import command_seen, send_command, set_mode
 from jfto_mavlink.protocol.exchange import Context, Exchange, Report, Wait
 from jfto_mavlink.protocol.item import Mission
-from jfto_mavlink.protocol.transfer import Patience
+from jfto_mavlink.protocol.transfer import POLICY, TransferPolicy
 
 # The armed bit shows in the next regular heartbeat, up to a second later.
 ARMED_WAIT_S = 3.0
@@ -196,7 +196,7 @@ def brake(context: Context) -> Exchange[None]:
 
 
 def change_mission(
-    context: Context, mission: Mission, first_seq: int = 1, patience: Patience | None = None
+    context: Context, mission: Mission, first_seq: int = 1, policy: TransferPolicy = POLICY
 ) -> Exchange[Delivered]:
     """Replace the mission of a flying vehicle and fly the new one from an item on.
 
@@ -207,7 +207,7 @@ def change_mission(
     was_auto = context.vehicle.mode == MODES["AUTO"]
     if was_auto:
         yield from brake(context)
-    delivered = yield from deliver(context, mission, patience)
+    delivered = yield from deliver(context, mission, policy)
     yield from send_command(context, mavlink.MAV_CMD_DO_SET_MISSION_CURRENT, (float(first_seq),))
     if was_auto:
         yield from set_mode(context, MODES["AUTO"])

@@ -8,10 +8,11 @@ from jfto_mavlink.dialect import mavlink
 from jfto_mavlink.errors import CommandError, TransferError
 from jfto_mavlink.mission.deliver import verify
 from jfto_mavlink.mission.place import distance_m
-from jfto_mavlink.protocol.command import Persistence, send_command
+from jfto_mavlink.protocol.command import send_command
 from jfto_mavlink.protocol.exchange import Context, Exchange, Report, Wait
 from jfto_mavlink.protocol.item import Mission
 from jfto_mavlink.protocol.vehicle_state import VehicleState
+from jfto_msgs_py.retry import Retry
 
 # The autopilot repeats its complaints every 30 s.
 PREARM_TEXTS_S = 35.0
@@ -121,9 +122,7 @@ def wait_ready(
 def _ask_for_checks(context: Context) -> Exchange[None]:
     """Let the autopilot say what it misses; its texts follow by themselves."""
     try:
-        yield from send_command(
-            context, mavlink.MAV_CMD_RUN_PREARM_CHECKS, persistence=Persistence(tries=2)
-        )
+        yield from send_command(context, mavlink.MAV_CMD_RUN_PREARM_CHECKS, retry=Retry(tries=2))
     except CommandError as error:
         # Refused while armed, which is reported anyway.
         yield Report(str(error))

@@ -6,12 +6,14 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from jfto_mavlink.dialect import Message, mavlink
+from jfto_mavlink.dialect import Message, mavlink, mode_name
 from jfto_mavlink.flight.follow import FlightTiming, Moment, UnderWay
 from jfto_mavlink.mission.build import VehicleMission
 from jfto_mavlink.protocol.exchange import Context, Exchange, Wait
 
 STATE_EVERY_S = 0.5
+# A vehicle without heartbeats for this long is lost.
+LOST_AFTER_S = 5.0
 # Why a vehicle has changed its mode stands in texts that it sends just before.
 TEXTS_S = 5.0
 ON_GROUND = mavlink.MAV_LANDED_STATE_ON_GROUND
@@ -68,30 +70,30 @@ class BatterySample:
 
 @dataclass(frozen=True)
 class LinkState:
-    """How the link and the vehicle are. `late_s` is of the last waypoint reached.
+    """How the link and the vehicle are; by default one that was never heard.
 
-    `in_flight` is False until the vehicle is known to be armed and off the ground, `ordered` says
-    whether this station ordered its mode, `place` is latitude, longitude (degrees) and metres above
-    home. `texts` are the vehicle's complaints of the last seconds, `begun` is time zero of its
-    flight.
+    `late_s` is of the last waypoint reached, `ordered` says whether this station ordered the mode,
+    `place` is latitude, longitude (degrees) and metres above home. `texts` are the vehicle's
+    complaints of the last seconds, `begun` is time zero of its flight.
     """
 
     uav: str
     at_s: float
-    silent_s: float
-    mode: str
-    armed: bool
-    prearm_ok: bool
-    failsafe: bool
-    offset_s: float | None
-    round_trip_s: float | None
-    jitter_s: float
-    utc_error_s: float | None
-    reboots: int
-    reached: int
-    waypoint_id: int | None
-    late_s: float | None
-    in_flight: bool = False
+    silent_s: float = math.inf
+    mode: str = mode_name(None)
+    armed: bool = False
+    prearm_ok: bool = False
+    failsafe: bool = False
+    offset_s: float | None = None
+    round_trip_s: float | None = None
+    jitter_s: float = 0.0
+    utc_error_s: float | None = None
+    reboots: int = 0
+    reached: int = 0
+    waypoint_id: int | None = None
+    late_s: float | None = None
+    landed_state: int | None = None
+    fence_breached: bool = False
     ordered: bool = True
     gps_fix: int | None = None
     battery_v: float | None = None
@@ -99,6 +101,11 @@ class LinkState:
     place: tuple[float, float, float] = (math.nan,) * 3
     texts: tuple[str, ...] = ()
     begun: Moment | None = None
+
+    @property
+    def in_flight(self) -> bool:
+        """Whether the vehicle is known to be armed and off the ground."""
+        return self.armed and (self.landed_state or ON_GROUND) != ON_GROUND
 
     @property
     def clock_error_s(self) -> float | None:
@@ -172,7 +179,8 @@ def _state(context: Context, timing: FlightTiming) -> LinkState:
         len(passed),
         passed[-1].waypoint_id if passed else None,
         passed[-1].late_s if passed else None,
-        vehicle.armed and (vehicle.landed_state or ON_GROUND) != ON_GROUND,
+        vehicle.landed_state,
+        vehicle.fence_breached,
         vehicle.mode == context.ordered_mode,
         vehicle.gps_fix,
         vehicle.battery_v,

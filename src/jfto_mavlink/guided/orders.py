@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from concurrent.futures import Future, wait
 
 import numpy as np
 
 from jfto_mavlink.dialect import MODES
 from jfto_mavlink.errors import FlightError, MissionError
-from jfto_mavlink.fleet.fly import PREPARE_S, Reporter, recall_where_failed
-from jfto_mavlink.fleet.link import FleetLink
+from jfto_mavlink.fleet.fly import PREPARE_S, Fleet, start_together
 from jfto_mavlink.fleet.orders import FleetOrders, OrderSettings
-from jfto_mavlink.flight.control import StartLine, unless_called_off
+from jfto_mavlink.flight.control import StartLine
 from jfto_mavlink.flight.preflight import wait_ready
 from jfto_mavlink.guided.reference import GuidedLimits, check_flyable, reference
 from jfto_mavlink.guided.scheduler import GuidedSettings, Scheduler
 from jfto_mavlink.guided.stream import ekf_frame, stream, take_off
 from jfto_mavlink.guided.target import HeadingPlan, MapFrame
-from jfto_mavlink.mission.build import VehicleMission
 from jfto_mavlink.protocol.command import set_mode
 from jfto_mavlink.protocol.exchange import Context, Exchange
 from jfto_msgs_py.plan import Plan
@@ -39,18 +37,14 @@ class GuidedOrders(FleetOrders):
 
     def __init__(
         self,
-        bridge: FleetLink,
-        missions: Mapping[str, VehicleMission],
+        fleet: Fleet,
         settings: OrderSettings,
-        report: Reporter,
         plan: Plan,
         now_ns: Callable[[], int],
-        take_off_m: float,
         guided: GuidedSettings | None = None,
     ) -> None:
-        super().__init__(bridge, missions, settings, report)
-        self._now_ns, self._take_off_m = now_ns, take_off_m
-        self._guided = guided or GuidedSettings()
+        super().__init__(fleet, settings)
+        self._now_ns, self._guided = now_ns, guided or GuidedSettings()
         self._uavs = {uav.id: uav for uav in plan.uavs}
         by_id = {waypoint.id: waypoint for waypoint in plan.waypoints}
         self._headings = {
@@ -77,13 +71,13 @@ class GuidedOrders(FleetOrders):
         finally:
             self._trajectories[uav] = trajectory
         if scheduler is not None:
-            scheduler.take(trajectory, self.bridge.clock())
+            scheduler.take(trajectory, self.fleet.runner.clock())
 
     def confirm(self, uav: str) -> None:
         """The source of a vehicle's trajectory is still there."""
         scheduler = self._schedulers.get(uav)
         if scheduler is not None:
-            scheduler.confirm(self.bridge.clock())
+            scheduler.confirm(self.fleet.runner.clock())
 
     def streaming(self, uav: str) -> str:
         """What the stream of a vehicle does, in words."""
@@ -107,21 +101,19 @@ class GuidedOrders(FleetOrders):
             self._check_ready()
             # Getting ready may have taken a while.
             self._check_trajectories()
-            ahead_s = (self._lift_off_ns() - self._now_ns()) / 1e9 - TAKE_OFF_S
-            go_s = self.bridge.clock() + max(PREPARE_S, ahead_s)
+            starts_ns = min(each.start_ns for each in self._trajectories.values())
+            ahead_s = (starts_ns - self._now_ns()) / 1e9 - TAKE_OFF_S
+            go_s = self.fleet.runner.clock() + max(PREPARE_S, ahead_s)
             line = StartLine(dict.fromkeys(self.missions, go_s))
             self._begun(line)
 
-            def job(context: Context) -> Exchange[None]:
-                return unless_called_off(line, take_off(context, line, self._take_off_m))
-
-            results = self.bridge.run(dict.fromkeys(self.missions, job), self.report)
-            recall_where_failed(self.bridge, results, self.report)
+            height_m = self._guided.take_off_m
+            start_together(self.fleet, line, lambda context: take_off(context, line, height_m))
             if self._aborted:
                 raise FlightError(601, "start called off, because the operator aborted.")
-            for uav, mission in self._maps.items():
-                pad = mission.position_m(*self.missions[uav].home_deg_m[:2], self._take_off_m)
-                self._begin(uav, float(pad[2]))
+            for uav, on_map in self._maps.items():
+                hover_m = on_map.position_m(*self.missions[uav].home_deg_m[:2], height_m)
+                self._begin(uav, float(hover_m[2]))
             return f"streaming: {', '.join(self.missions)}"
 
     def pause(self) -> str:
@@ -139,8 +131,9 @@ class GuidedOrders(FleetOrders):
             chosen = self._flying(lambda v: v.mode in (MODES["BRAKE"], GUIDED, MODES["LOITER"]))
             for uav in chosen:
                 self._check_near(uav, self._here(uav), self._now_ns())
-            results = self.bridge.run(
-                {uav: lambda context: set_mode(context, GUIDED) for uav in chosen}, self.report
+            results = self.fleet.runner.run(
+                {uav: lambda context: set_mode(context, GUIDED) for uav in chosen},
+                self.fleet.report,
             )
             failed = [str(r) for r in results.values() if isinstance(r, Exception)]
             for uav, result in results.items():
@@ -172,7 +165,7 @@ class GuidedOrders(FleetOrders):
 
     def _begin(self, uav: str, hover_m: float) -> None:
         scheduler = self._schedulers[uav] = Scheduler(self._guided, hover_m)
-        scheduler.take(self._trajectories[uav], self.bridge.clock())
+        scheduler.take(self._trajectories[uav], self.fleet.runner.clock())
 
         def job(context: Context) -> Exchange[str]:
             frame = yield from ekf_frame(context, self._maps[uav])
@@ -188,21 +181,14 @@ class GuidedOrders(FleetOrders):
                 )
             )
 
-        self._streams[uav] = self.bridge.start(uav, job, self.report)
+        self._streams[uav] = self.fleet.runner.start(uav, job, self.fleet.report)
 
     def _check_ready(self) -> None:
-        gate = self.settings.gate
+        def job(context: Context) -> Exchange[tuple[str, ...]]:
+            home = self.missions[context.uav].home_deg_m[:2]
+            return wait_ready(context, home, self.settings.gate)
 
-        def job(uav: str) -> Callable[[Context], Exchange[tuple[str, ...]]]:
-            home = self.missions[uav].home_deg_m[:2]
-            return lambda context: wait_ready(context, home, gate)
-
-        results = self.bridge.run({uav: job(uav) for uav in self.missions}, self.report)
-        found: list[str] = []
-        for result in results.values():
-            found += [str(result)] if isinstance(result, Exception) else result
-        if found:
-            raise FlightError(601, "No vehicle is armed. " + "; ".join(found) + ".")
+        self.fleet.check(job)
 
     def _check_trajectories(self) -> None:
         joined_ns = self._now_ns() + round((PREPARE_S + TAKE_OFF_S) * 1e9)
@@ -223,11 +209,12 @@ class GuidedOrders(FleetOrders):
                 "later lift-off.",
             )
 
-    def _lift_off_ns(self) -> int:
-        return min(trajectory.start_ns for trajectory in self._trajectories.values())
+    def begun_ns(self, flown_ns: Callable[[], int | None]) -> int | None:  # noqa: ARG002
+        """Time zero of the flight: what is streamed has it in its stamps."""
+        return min((each.start_ns for each in self._trajectories.values()), default=None)
 
     def _here(self, uav: str) -> np.ndarray:
-        vehicle = self.bridge.vehicle(uav)
+        vehicle = self.fleet.runner.vehicle(uav)
         return self._maps[uav].position_m(vehicle.lat_deg, vehicle.lon_deg, vehicle.height_m)
 
     def _limits(self, uav: str) -> GuidedLimits:

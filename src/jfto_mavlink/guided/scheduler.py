@@ -16,8 +16,8 @@ class GuidedSettings:
     """When a stream is good enough to go on.
 
     A vehicle without targets flies on at its last velocity until GUID_TIMEOUT (3 s); all waiting
-    times together must stay below. `departure_m` is how far from its pad a trajectory must be
-    before it may lead below the height of the take-off.
+    times together must stay below. It hovers at `take_off_m` above its pad first; `departure_m` is
+    how far from its pad a trajectory must be before it may lead below that height.
     """
 
     rate_hz: float = 10.0
@@ -27,6 +27,7 @@ class GuidedSettings:
     join_max_m: float = 30.0
     astray_max_m: float = 25.0
     departure_m: float = 20.0
+    take_off_m: float = 10.0
 
 
 @dataclass(frozen=True)

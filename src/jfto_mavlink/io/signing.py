@@ -10,6 +10,7 @@ import hashlib
 import os
 import stat
 import tempfile
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -147,6 +148,12 @@ def read_key(path: Path) -> bytes:
     if len(key) != KEY_LENGTH or not any(key):
         raise SigningError(701, f"{path}: must hold 64 hexadecimal digits, not all zero.")
     return key
+
+
+def load_signer(path: Path) -> Signer:
+    """The signer of a key file, whose stamps never go back over restarts; raises SigningError."""
+    stamps = StampFile(path)
+    return Signer(read_key(path), time.time, stamps.load(), stamps.save)
 
 
 class StampFile:

@@ -12,6 +12,7 @@ import serial
 
 from jfto_mavlink.errors import LinkError
 from jfto_mavlink.io.address import LinkAddress
+from jfto_msgs_py.retry import Retry
 
 # Where a datagram came from or goes to; None on links with one other end.
 Peer = tuple[str, int] | None
@@ -114,7 +115,7 @@ class UdpTransport:
         self._socket.close()
 
 
-REOPEN_EVERY_S = 1.0
+REOPEN = Retry(first_s=1.0, ceiling_s=1.0)
 # About a second of a fast telemetry radio; older bytes are worth less than newer ones.
 QUEUE_BYTES = 16_384
 READ_BYTES = 65_536
@@ -176,7 +177,7 @@ class StreamTransport(ABC):
         """Open the link if it is down, at most once a second."""
         if self._fd is not None or now_s < self._next_try_s:
             return
-        self._next_try_s = now_s + REOPEN_EVERY_S
+        self._next_try_s = now_s + REOPEN.first_s
         self._fd = self._open()
         if self._fd is not None:
             self.reopened += 1

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from jfto_mavlink.dialect import MODES, mavlink
 from jfto_mavlink.errors import CommandError, TransferError
 from jfto_mavlink.mission.stored import differences, mission_hash
-from jfto_mavlink.protocol.exchange import Context, Exchange, Report, Send, Wait, backoff
+from jfto_mavlink.protocol.exchange import Context, Exchange, Report, Send, Wait
 from jfto_mavlink.protocol.item import FENCE, MISSION, RALLY, TYPE_NAMES, Item, Mission
 from jfto_mavlink.protocol.parameter import equal, read_parameter, set_parameter
 from jfto_mavlink.protocol.transfer import (
     ACCEPTED,
     BUSY,
     ERROR,
-    Patience,
+    POLICY,
+    TransferPolicy,
     ack_name,
     ack_type,
     download,
@@ -38,7 +39,7 @@ class Delivered:
 
 
 def deliver(
-    context: Context, mission: Mission, patience: Patience | None = None
+    context: Context, mission: Mission, policy: TransferPolicy = POLICY
 ) -> Exchange[Delivered]:
     """Send mission, fence, rally points and parameters, read each back and compare.
 
@@ -46,7 +47,6 @@ def deliver(
     the one on board before is put back. Raises TransferError whose `state` says which, and 405 in
     AUTO: there, each stored item restarts the leg being flown.
     """
-    patience = patience or Patience()
     begun_s = context.clock()
     if context.vehicle.armed and context.vehicle.mode == MODES["AUTO"]:
         raise TransferError(
@@ -54,10 +54,10 @@ def deliver(
         )
     before: tuple[Item, ...] | None = None
     if context.vehicle.armed:
-        before = yield from download(context, MISSION, patience)
+        before = yield from download(context, MISSION, policy)
     try:
         for mission_type in _carried(mission):
-            yield from _deliver_type(context, mission.of_type(mission_type), mission_type, patience)
+            yield from _deliver_type(context, mission.of_type(mission_type), mission_type, policy)
         for name, value in mission.parameters:
             yield from set_parameter(context, name, value)
     except (TransferError, CommandError) as error:
@@ -65,18 +65,18 @@ def deliver(
             # Not ours to clear.
             state = "What the vehicle holds is the other station's."
             raise TransferError(error.code, _without_code(error), state) from error
-        state = yield from _tidy_up(context, before, patience)
+        state = yield from _tidy_up(context, before, policy)
         raise TransferError(error.code, _without_code(error), state) from error
     return Delivered(context.uav, mission_hash(mission), context.clock() - begun_s)
 
 
 def verify(
-    context: Context, mission: Mission, patience: Patience | None = None
+    context: Context, mission: Mission, policy: TransferPolicy = POLICY
 ) -> Exchange[tuple[str, ...]]:
     """Differences between a mission and what the vehicle holds, in words; empty if none."""
     found: list[str] = []
     for mission_type in _carried(mission):
-        held = yield from download(context, mission_type, patience)
+        held = yield from download(context, mission_type, policy)
         found += differences(mission.of_type(mission_type), held, mission_type)
     for name, value in mission.parameters:
         held_value = yield from read_parameter(context, name)
@@ -85,30 +85,29 @@ def verify(
     return tuple(found)
 
 
-def clear(context: Context, mission_type: int, patience: Patience | None = None) -> Exchange[None]:
+def clear(context: Context, mission_type: int, policy: TransferPolicy = POLICY) -> Exchange[None]:
     """Remove all items of a type and see that none is left; raises TransferError."""
-    patience = patience or Patience()
     name = TYPE_NAMES[mission_type]
-    waits = backoff(context.round_trip.timeout_s, patience.resend_ceiling_s)
     begun_s = context.clock()
     answer = "no answer"
-    for _ in range(CLEAR_TRIES):
+    tries = replace(policy.ask, tries=CLEAR_TRIES)
+    for wait_s in tries.waits(context.round_trip.timeout_s):
         yield Send(mavlink.MAVLink_mission_clear_all_message(*context.target, mission_type))
-        until_s = context.clock() + next(waits)
+        until_s = context.clock() + wait_s
         while context.clock() < until_s:
             message = yield Wait(until_s)
             code = None if message is None else ack_type(context, message, mission_type)
             if code == ACCEPTED:
-                held = yield from download(context, mission_type, patience)
+                held = yield from download(context, mission_type, policy)
                 if len(held) <= (1 if mission_type == MISSION else 0):
                     return
             elif code is not None:
                 # Another station's open upload, or a mission being flown.
                 answer = ack_name(code)
-                until_s = context.clock() + patience.busy_retry_s
+                until_s = context.clock() + policy.busy.first_s
                 if code not in (BUSY, ERROR):
                     raise TransferError(401, f"{context.uav}: {name} not cleared: {answer}.")
-        if context.clock() - begun_s > patience.busy_s:
+        if context.clock() - begun_s > policy.busy.limit_s:
             break
     raise TransferError(403, f"{context.uav}: {name} not cleared: {answer}.")
 
@@ -120,17 +119,17 @@ def _carried(mission: Mission) -> tuple[int, ...]:
 
 
 def _deliver_type(
-    context: Context, items: Sequence[Item], mission_type: int, patience: Patience
+    context: Context, items: Sequence[Item], mission_type: int, policy: TransferPolicy
 ) -> Exchange[None]:
     name = TYPE_NAMES[mission_type]
     begun_s = context.clock()
     found: tuple[str, ...] = ()
     for attempt in range(ROUNDS):
         if items:
-            yield from upload(context, items, mission_type, patience)
+            yield from upload(context, items, mission_type, policy)
         else:
-            yield from clear(context, mission_type, patience)
-        held = yield from read_back(context, mission_type, patience)
+            yield from clear(context, mission_type, policy)
+        held = yield from read_back(context, mission_type, policy)
         found = differences(items, held.items, mission_type)
         if not found:
             return
@@ -148,16 +147,16 @@ def _deliver_type(
 
 
 def _tidy_up(
-    context: Context, before: tuple[Item, ...] | None, patience: Patience
+    context: Context, before: tuple[Item, ...] | None, policy: TransferPolicy
 ) -> Exchange[str]:
     """Leave a state that can be named: the old mission in flight, none on the ground."""
     try:
         if before is not None and len(before) > 1:
             yield Report("putting the mission back that was on board")
-            yield from _deliver_type(context, before, MISSION, patience)
+            yield from _deliver_type(context, before, MISSION, policy)
             return "The mission that was on board before is restored."
         yield Report("clearing the half-written mission")
-        yield from clear(context, MISSION, patience)
+        yield from clear(context, MISSION, policy)
     except TransferError as error:
         return f"What the vehicle holds is unknown ({_without_code(error)}); do not start it."
     return "Its mission is cleared."

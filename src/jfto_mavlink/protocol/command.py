@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from jfto_mavlink.dialect import enum_name, mavlink, mode_name
 from jfto_mavlink.errors import CommandError
@@ -12,16 +11,17 @@ from jfto_mavlink.protocol.exchange import (
     Exchange,
     Send,
     Wait,
-    backoff,
     wait_for,
     wait_until,
 )
+from jfto_msgs_py.retry import Retry
 
 # Texts such as "Arm: Battery 1 below minimum arming voltage" follow the refusal within this time.
 REASON_WAIT_S = 0.3
 PROGRESS_WAIT_S = 10.0
 REJECTED_WAIT_S = 1.0
 SEEN_ROUNDS = 3
+RETRY = Retry(ceiling_s=2.0, tries=12)
 
 _CODES = {
     mavlink.MAV_RESULT_DENIED: 502,
@@ -31,20 +31,12 @@ _CODES = {
 }
 
 
-@dataclass(frozen=True)
-class Persistence:
-    """How long to keep asking."""
-
-    tries: int = 12
-    ceiling_s: float = 2.0
-
-
 def send_command(
     context: Context,
     command: int,
     params: tuple[float, ...] = (),
     *,
-    persistence: Persistence | None = None,
+    retry: Retry = RETRY,
     already: Callable[[], bool] | None = None,
 ) -> Exchange[None]:
     """Send a COMMAND_LONG until it is accepted; return once it is.
@@ -52,18 +44,16 @@ def send_command(
     `already` tells whether the vehicle's state shows that the command has worked, for commands that
     a vehicle refuses the second time. Raises CommandError with the vehicle's words.
     """
-    persistence = persistence or Persistence()
     name = enum_name("MAV_CMD", command)
     since_s = context.clock()
     values = (*params, *([0.0] * (7 - len(params))))
-    waits = backoff(context.round_trip.timeout_s, persistence.ceiling_s)
     result = None
-    for confirmation in range(persistence.tries):
+    for confirmation, wait_s in enumerate(retry.waits(context.round_trip.timeout_s)):
         sent_s = context.clock()
         yield Send(
             mavlink.MAVLink_command_long_message(*context.target, command, confirmation, *values)
         )
-        result = yield from _result(context, command, sent_s + next(waits))
+        result = yield from _result(context, command, sent_s + wait_s)
         if already is not None and already():
             return
         if result == mavlink.MAV_RESULT_ACCEPTED:
@@ -77,7 +67,7 @@ def send_command(
     if result is None:
         raise CommandError(
             501,
-            f"{context.uav}: no answer to {name} after {persistence.tries} tries in "
+            f"{context.uav}: no answer to {name} after {confirmation + 1} tries in "
             f"{context.clock() - since_s:.1f} s.",
         )
     yield from wait_until(context, context.clock() + REASON_WAIT_S)

@@ -11,7 +11,7 @@ Time comes from `Context.clock`. Exchanges call each other with `yield from`. `A
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
@@ -141,11 +141,3 @@ class Activity(Generic[T]):
             self.done, self.result = True, stop.value
         except Exception as error:  # noqa: BLE001  handed to whoever waits
             self.done, self.error = True, error
-
-
-def backoff(first_s: float, ceiling_s: float, factor: float = 1.6) -> Iterator[float]:
-    """Waiting times that grow from the first to the ceiling."""
-    wait_s = first_s
-    while True:
-        yield min(wait_s, ceiling_s)
-        wait_s *= factor

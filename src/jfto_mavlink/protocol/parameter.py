@@ -6,11 +6,11 @@ import math
 
 from jfto_mavlink.dialect import Message, mavlink
 from jfto_mavlink.errors import CommandError
-from jfto_mavlink.protocol.exchange import Context, Exchange, Send, Wait, backoff
+from jfto_mavlink.protocol.exchange import Context, Exchange, Send, Wait
 from jfto_mavlink.protocol.item import float32
+from jfto_msgs_py.retry import Retry
 
-TRIES = 8
-CEILING_S = 2.0
+RETRY = Retry(ceiling_s=2.0, tries=8)
 # ArduPilot answers a read after about 100 ms.
 READ_WAIT_S = 0.3
 
@@ -45,10 +45,9 @@ def _ask(
     context: Context, name: str, request: Message, wanted: float | None = None
 ) -> Exchange[float]:
     """Value that answers the request; other values than the one wanted only after the last try."""
-    waits = backoff(context.round_trip.timeout_s + READ_WAIT_S, CEILING_S)
     held: float | None = None
-    for _ in range(TRIES):
-        until_s = context.clock() + next(waits)
+    for wait_s in RETRY.waits(context.round_trip.timeout_s + READ_WAIT_S):
+        until_s = context.clock() + wait_s
         yield Send(request)
         while context.clock() < until_s:
             message = yield Wait(until_s)

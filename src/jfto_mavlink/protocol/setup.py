@@ -11,9 +11,10 @@ from jfto_mavlink.dialect import mavlink
 from jfto_mavlink.errors import CommandError, SigningError
 from jfto_mavlink.io.framing import Frame
 from jfto_mavlink.io.signing import Signer
-from jfto_mavlink.protocol.command import Persistence, request_message, send_command
+from jfto_mavlink.protocol.command import request_message, send_command
 from jfto_mavlink.protocol.exchange import Context, Exchange, Report, Send, Wait
 from jfto_mavlink.protocol.vehicle_state import VehicleState
+from jfto_msgs_py.retry import Retry
 
 # Message id -> rate in Hz.
 DEFAULT_RATES: Mapping[int, float] = {
@@ -27,12 +28,26 @@ DEFAULT_RATES: Mapping[int, float] = {
     mavlink.MAVLINK_MSG_ID_SYSTEM_TIME: 1.0,
 }
 # Patient with a busy link, impatient enough that a reboot in the middle is noticed.
-_PERSISTENCE = Persistence(tries=6, ceiling_s=1.5)
-
-
+_RETRY = Retry(ceiling_s=1.5, tries=6)
 # A stream is taken for missing after this many of its periods, and this time at least.
 _MISSING_PERIODS = 4.0
 _MISSING_S = 3.0
+
+
+def rates_for(telemetry_rate_hz: float, speedup: float) -> dict[int, float]:
+    """Message rates, Hz: position and attitude as asked for, the fix at most as often.
+
+    From vehicles whose time passes faster all but the position comes once a second of theirs.
+    """
+    position = {mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: telemetry_rate_hz}
+    if speedup > 1.0:
+        return {message_id: min(rate, 1.0) for message_id, rate in DEFAULT_RATES.items()} | position
+    return {
+        **DEFAULT_RATES,
+        **position,
+        mavlink.MAVLINK_MSG_ID_ATTITUDE: telemetry_rate_hz,
+        mavlink.MAVLINK_MSG_ID_GPS_RAW_INT: min(telemetry_rate_hz, 5.0),
+    }
 
 
 def missing_streams(
@@ -60,7 +75,7 @@ def greet(context: Context, rates: Mapping[int, float]) -> Exchange[None]:
                 context,
                 mavlink.MAV_CMD_SET_MESSAGE_INTERVAL,
                 (float(message_id), 1e6 / rate_hz),
-                persistence=_PERSISTENCE,
+                retry=_RETRY,
             )
         except CommandError as error:
             yield Report(str(error))
@@ -73,9 +88,8 @@ def _ask(context: Context, message_id: int) -> Exchange[None]:
         yield Report(str(error))
 
 
-TRIES = 6
 # Heartbeats come every second; the first signed one is the proof.
-PROOF_WAIT_S = 2.5
+PROOF = Retry(first_s=2.5, ceiling_s=2.5, tries=6)
 
 
 def setup_signing(context: Context, signer: Signer) -> Exchange[None]:
@@ -87,13 +101,13 @@ def setup_signing(context: Context, signer: Signer) -> Exchange[None]:
     if context.vehicle.armed:
         raise SigningError(702, f"{context.uav}: is armed; keys are only taken on the ground.")
     since_s = context.clock()
-    for _ in range(TRIES):
+    for wait_s in PROOF.waits():
         yield Send(
             mavlink.MAVLink_setup_signing_message(
                 *context.target, list(signer.key), signer.next_stamp()
             )
         )
-        until_s = context.clock() + PROOF_WAIT_S
+        until_s = context.clock() + wait_s
         while context.clock() < until_s:
             message = yield Wait(until_s)
             if message is None:

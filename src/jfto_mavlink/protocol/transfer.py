@@ -9,8 +9,9 @@ from dataclasses import dataclass
 
 from jfto_mavlink.dialect import Message, enum_name, mavlink
 from jfto_mavlink.errors import TransferError
-from jfto_mavlink.protocol.exchange import Context, Exchange, Report, Send, Wait, backoff
+from jfto_mavlink.protocol.exchange import Context, Exchange, Report, Send, Wait
 from jfto_mavlink.protocol.item import MISSION, TYPE_NAMES, Item, item_from_message
+from jfto_msgs_py.retry import Retry
 
 ACCEPTED = mavlink.MAV_MISSION_ACCEPTED
 ERROR = mavlink.MAV_MISSION_ERROR
@@ -19,21 +20,29 @@ CANCELLED = mavlink.MAV_MISSION_OPERATION_CANCELLED
 OUT_OF_SEQUENCE = mavlink.MAV_MISSION_INVALID_SEQUENCE
 
 
-@dataclass(frozen=True)
-class Patience:
-    """Time-outs of a transfer, in seconds of the vehicle's clock.
+_ASK = Retry(ceiling_s=1.0, limit_s=30.0)
+_BUSY = Retry(first_s=1.5, ceiling_s=1.5, limit_s=60.0)
 
-    ArduCopter asks for a missing item every 1.0 s and gives an upload up 8.0 s after the last good
-    item; another station's abandoned upload therefore blocks ours for 8 s.
+
+@dataclass(frozen=True)
+class TransferPolicy:
+    """How patient a transfer is, in seconds of the vehicle's clock.
+
+    `ask` is for questions and items unanswered, `busy` for a vehicle that another station is
+    writing to. ArduCopter asks for a missing item every 1.0 s and gives an upload up 8.0 s after
+    the last good item: so long another station's abandoned upload blocks ours, and after
+    `silence_s` an upload of ours is no longer open. It is started at most `starts` times; `window`
+    questions of a read-back are in flight at a time.
     """
 
+    ask: Retry = _ASK
+    busy: Retry = _BUSY
     silence_s: float = 9.5
     starts: int = 6
-    lost_s: float = 30.0
-    busy_s: float = 60.0
-    busy_retry_s: float = 1.5
-    resend_ceiling_s: float = 1.0
     window: int = 4
+
+
+POLICY = TransferPolicy()
 
 
 def ack_type(context: Context, message: Message, mission_type: int) -> int | None:
@@ -53,10 +62,10 @@ def ack_name(code: int) -> str:
 
 
 def download(
-    context: Context, mission_type: int = MISSION, patience: Patience | None = None
+    context: Context, mission_type: int = MISSION, policy: TransferPolicy = POLICY
 ) -> Exchange[tuple[Item, ...]]:
     """Items on board. Raises TransferError 402 (busy) or 403 (no answer)."""
-    return (yield from read_back(context, mission_type, patience or Patience())).items
+    return (yield from read_back(context, mission_type, policy)).items
 
 
 @dataclass
@@ -67,20 +76,20 @@ class ReadBack:
     contested: bool = False
 
 
-def read_back(context: Context, mission_type: int, patience: Patience) -> Exchange[ReadBack]:
+def read_back(context: Context, mission_type: int, policy: TransferPolicy) -> Exchange[ReadBack]:
     """Like `download`, with a word on other stations."""
     found = ReadBack()
-    count = yield from _count(context, mission_type, patience, found)
-    found.items = yield from _items(context, mission_type, count, patience, found)
+    count = yield from _count(context, mission_type, policy, found)
+    found.items = yield from _items(context, mission_type, count, policy, found)
     yield Send(mavlink.MAVLink_mission_ack_message(*context.target, ACCEPTED, mission_type))
     return found
 
 
 def _count(
-    context: Context, mission_type: int, patience: Patience, found: ReadBack
+    context: Context, mission_type: int, policy: TransferPolicy, found: ReadBack
 ) -> Exchange[int]:
     heard_s = busy_s = context.clock()
-    waits = backoff(context.round_trip.timeout_s, patience.resend_ceiling_s)
+    waits = policy.ask.waits(context.round_trip.timeout_s)
     while True:
         yield Send(mavlink.MAVLink_mission_request_list_message(*context.target, mission_type))
         until_s = context.clock() + next(waits)
@@ -94,12 +103,12 @@ def _count(
             if code == BUSY:
                 found.contested = True
                 heard_s = context.clock()
-                if heard_s - busy_s > patience.busy_s:
+                if heard_s - busy_s > policy.busy.limit_s:
                     raise _error(context, 402, mission_type, "another station holds the mission.")
-                until_s = heard_s + patience.busy_retry_s
+                until_s = heard_s + policy.busy.first_s
         last_s = max(heard_s, context.vehicle.heard_s or 0.0)
-        if context.clock() - last_s > patience.lost_s or context.clock() - heard_s > (
-            4 * patience.lost_s
+        if context.clock() - last_s > policy.ask.limit_s or context.clock() - heard_s > (
+            4 * policy.ask.limit_s
         ):
             raise _error(
                 context, 403, mission_type, f"no answer for {context.clock() - heard_s:.0f} s."
@@ -107,7 +116,7 @@ def _count(
 
 
 def _items(
-    context: Context, mission_type: int, count: int, patience: Patience, found: ReadBack
+    context: Context, mission_type: int, count: int, policy: TransferPolicy, found: ReadBack
 ) -> Exchange[tuple[Item, ...]]:
     """All items, asked for in a window; a question unanswered is asked again after a while."""
     held: dict[int, Item] = {}
@@ -117,15 +126,15 @@ def _items(
     shorter = 0
     while len(held) < count:
         now_s = context.clock()
-        if now_s - progress_s > patience.lost_s:
+        if now_s - progress_s > policy.ask.limit_s:
             raise _error(
-                context, 403, mission_type, f"no item for {patience.lost_s:g} s, at {len(held)}."
+                context, 403, mission_type, f"no item for {policy.ask.limit_s:g} s, at {len(held)}."
             )
         open_items = (seq for seq in range(count) if seq not in held)
-        for seq, _ in zip(open_items, range(patience.window), strict=False):
+        for seq, _ in zip(open_items, range(policy.window), strict=False):
             if due.get(seq, now_s) <= now_s:
                 due[seq] = now_s + wait_s[seq]
-                wait_s[seq] = min(wait_s[seq] * 1.6, patience.resend_ceiling_s)
+                wait_s[seq] = policy.ask.longer_s(wait_s[seq])
                 yield Send(
                     mavlink.MAVLink_mission_request_int_message(*context.target, seq, mission_type)
                 )
@@ -136,7 +145,7 @@ def _items(
         if code == BUSY:
             found.contested = True
             for seq in due:
-                due[seq] = context.clock() + patience.busy_retry_s
+                due[seq] = context.clock() + policy.busy.first_s
         elif _is_count(context, message, mission_type) and message.count < count:
             # The answer to a question past the end: the list has become shorter meanwhile. A single
             # one may be an old copy.

@@ -23,7 +23,8 @@ from jfto_mavlink.protocol.transfer import (
     CANCELLED,
     ERROR,
     OUT_OF_SEQUENCE,
-    Patience,
+    POLICY,
+    TransferPolicy,
     ack_name,
     ack_type,
 )
@@ -60,23 +61,23 @@ def upload(
     context: Context,
     items: Sequence[Item],
     mission_type: int = MISSION,
-    patience: Patience | None = None,
+    policy: TransferPolicy = POLICY,
 ) -> Exchange[Outcome]:
     """Send a mission. Raises TransferError 401 (refused), 402 (busy) or 403 (no answer).
 
     After any error the vehicle may hold half of the new mission: nothing is rolled back there.
     """
-    return (yield from _Upload(context, items, mission_type, patience or Patience()).run())
+    return (yield from _Upload(context, items, mission_type, policy).run())
 
 
 class _Upload:
     def __init__(
-        self, context: Context, items: Sequence[Item], mission_type: int, patience: Patience
+        self, context: Context, items: Sequence[Item], mission_type: int, policy: TransferPolicy
     ) -> None:
         self.context = context
         self.items = items
         self.mission_type = mission_type
-        self.patience = patience
+        self.policy = policy
         now_s = context.clock()
         self.state = _State(now_s, now_s, now_s, context.round_trip.timeout_s)
 
@@ -133,18 +134,18 @@ class _Upload:
 
     def _silence(self, now_s: float) -> Exchange[Outcome | None]:
         """No question came in time: ask for one, or conclude."""
-        state, patience = self.state, self.patience
+        state, policy = self.state, self.policy
         alive_s = max(state.begun_s, self.context.vehicle.heard_s or 0.0)
-        if now_s - alive_s > patience.lost_s:
-            raise self._error(403, f"silent for {patience.lost_s:g} s")
+        if now_s - alive_s > policy.ask.limit_s:
+            raise self._error(403, f"silent for {policy.ask.limit_s:g} s")
         # Longer and longer, so that a slow link is not filled with copies.
-        state.wait_s = min(state.wait_s * 1.6, patience.resend_ceiling_s)
+        state.wait_s = policy.ask.longer_s(state.wait_s)
         if state.asked is None:
-            if now_s - state.progress_s > patience.lost_s and state.busy_since_s is None:
-                raise self._error(403, f"not answered for {patience.lost_s:g} s")
+            if now_s - state.progress_s > policy.ask.limit_s and state.busy_since_s is None:
+                raise self._error(403, f"not answered for {policy.ask.limit_s:g} s")
             yield from self._start(state.wait_s)
             return None
-        if now_s - state.progress_s > patience.silence_s:
+        if now_s - state.progress_s > policy.silence_s:
             # Longer than the vehicle keeps an upload open.
             if state.last_sent:
                 return Outcome.UNCERTAIN
@@ -159,7 +160,7 @@ class _Upload:
 
     def _start_over(self, code: int, why: str) -> Exchange[None]:
         state = self.state
-        if state.starts >= self.patience.starts:
+        if state.starts >= self.policy.starts:
             raise self._error(code, f"tried {state.starts} times: {why}", state.asked)
         state.starts += 1
         state.progress_s = self.context.clock()
@@ -194,9 +195,11 @@ class _Upload:
         if state.busy_since_s is None:
             state.busy_since_s = now_s
             yield Report("waiting: another station is writing this vehicle's mission")
-        if now_s - state.busy_since_s > self.patience.busy_s:
-            raise self._error(402, f"kept out by another station for {self.patience.busy_s:g} s")
-        state.resend_s = now_s + self.patience.busy_retry_s
+        if now_s - state.busy_since_s > self.policy.busy.limit_s:
+            raise self._error(
+                402, f"kept out by another station for {self.policy.busy.limit_s:g} s"
+            )
+        state.resend_s = now_s + self.policy.busy.first_s
 
     def _error(self, code: int, reason: str, item: int | None = None) -> TransferError:
         place = "" if item is None else f" at item {item}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from typing import Any, Generic, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -12,9 +13,10 @@ from rclpy.clock_type import ClockType
 from rclpy.lifecycle import LifecycleNode, LifecyclePublisher, TransitionCallbackReturn
 
 from jfto_msgs_py.errors import JftoError, MessageError, ScenarioError
+from jfto_msgs_py.records.event import ERROR, WARN, Event
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.diagnostics import Status, encode_diagnostics
-from jfto_msgs_py.ros.events import ERROR, WARN, Event, EventLimit, encode_event
+from jfto_msgs_py.ros.events import EventLimit, encode_event
 from jfto_msgs_py.ros.intake import Intake
 from jfto_msgs_py.ros.parameters import NodeParameters
 from jfto_msgs_py.ros.vehicle import decode_pose
@@ -78,23 +80,24 @@ class GraphNode(LifecycleNode, Generic[Options]):
         """Time on the node's clock, ns since the epoch; 0 until simulated time has come."""
         return int(self.get_clock().now().nanoseconds)
 
-    def announce(self, level: int, kind: str, uav_id: str, text: str) -> None:
+    def announce(self, event: Event) -> None:
         """Tell the operator, as an event and in the log, what happened and what was done.
 
-        `level` and `kind` are those of `events`, `uav_id` "" where no single UAV is meant. Of
-        many of one kind and UAV in a short time only some are told, with the number of the others.
+        It goes out with this node's name and time. Of many of one kind and UAV in a short time only
+        some are told, with the number of the others.
         """
-        held = self._event_limit.admit(kind, uav_id)
+        held = self._event_limit.admit(event.kind, event.uav_id)
         if held is None:
             return
-        more = f" ({held} more of this kind not told)" if held else ""
-        event = Event(self.now_ns(), level, self.get_name(), kind, uav_id, text + more)
+        text = f"{event.text} ({held} more of this kind not told)" if held else event.text
+        event = replace(event, text=text, stamp_ns=self.now_ns(), node=self.get_name())
         self._events.publish(encode_event(event))
-        line = f"{kind}: {uav_id}: {event.text}" if uav_id else f"{kind}: {event.text}"
+        about = f"{event.kind}: {event.uav_id}" if event.uav_id else event.kind
+        line = f"{about}: {event.text}"
         # Each of its own: a logger's filter belongs to the line.
-        if level >= ERROR:
+        if event.level >= ERROR:
             self.get_logger().error(line)
-        elif level >= WARN:
+        elif event.level >= WARN:
             self.get_logger().warning(line)
         else:
             self.get_logger().info(line)

@@ -1,4 +1,4 @@
-"""A fleet's plan and links, opened and kept in a thread of their own."""
+"""Something that takes its time to open, such as links: opened and kept in a thread of its own."""
 
 from __future__ import annotations
 
@@ -8,16 +8,17 @@ from contextlib import ExitStack
 from typing import Generic, TypeVar
 
 from jfto_msgs_py.errors import JftoError
+from jfto_msgs_py.retry import Retry
 
 T = TypeVar("T")
-RETRY_S = 1.0
+RETRY = Retry(first_s=1.0, ceiling_s=1.0)
 
 
 class Opening(Generic[T]):
     """Tries `open_all` until it works; `note` says why it has not yet.
 
     `open_all` puts what is to be closed on the stack that it is given. `said` is called in the
-    link's thread with each new note, and `opened` with what came of it.
+    thread with each new note, and `opened` with what came of it.
     """
 
     def __init__(
@@ -30,7 +31,7 @@ class Opening(Generic[T]):
         self.opened: T | None = None
         self._open_all, self._tell, self._said = open_all, opened, said
         self._ending = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="mavlink links", daemon=True)
+        self._thread = threading.Thread(target=self._run, name="opening", daemon=True)
         self._thread.start()
 
     def close(self) -> None:
@@ -39,7 +40,9 @@ class Opening(Generic[T]):
         self._thread.join()
 
     def _run(self) -> None:
-        while not self._ending.is_set():
+        for wait_s in RETRY.waits():
+            if self._ending.is_set():
+                return
             with ExitStack() as stack:
                 try:
                     opened = self._open_all(stack)
@@ -54,4 +57,4 @@ class Opening(Generic[T]):
                     self._ending.wait()
                     self.opened = None
                     return
-            self._ending.wait(RETRY_S)
+            self._ending.wait(wait_s)

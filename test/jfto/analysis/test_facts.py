@@ -14,7 +14,7 @@ from jfto.analysis.record import AirLog, RecordedFlight
 from jfto.pipeline.run import Run
 from jfto.planning.survey import Survey
 from jfto_msgs_py.network import Adjacency, SlotHorizon
-from jfto_msgs_py.ros.events import ERROR, WARN, Event
+from jfto_msgs_py.records.event import ERROR, WARN, Event
 from support.fleets import START_NS
 from support.flights import Flaws, recorded
 
@@ -73,7 +73,7 @@ def test_the_certificate_agrees_with_the_plans(desk: Desk, as_planned: FlightFac
 def test_a_uav_that_is_declared_lost_has_not_landed(desk: Desk) -> None:
     """The fleet's last word names how each flight ended, also that of a UAV nobody hears of."""
     ends = "The flight is over: uav2 landed on its pad; uav1 declared lost, last heard at 46.6 8.5."
-    event = Event(START_NS + 10**11, WARN, "mavlink_bridge", "landed", "", ends)
+    event = Event(WARN, "landed", "", ends, START_NS + 10**11, "mavlink_bridge")
     facts = desk.facts(desk.flight(Flaws(gone_s={"uav1": 10.0}), [event]))
     assert [one.how for one in facts.endings] == ["lost", "landed", "landed", "landed"]
 
@@ -108,7 +108,7 @@ def test_a_waypoint_passed_too_far_away_is_missed(desk: Desk) -> None:
 def test_a_uav_out_of_reach_is_an_exception_with_its_cause(desk: Desk) -> None:
     """30 km away, uav1 has no neighbours and the fleet is in two parts; the reason is said."""
     event = Event(
-        START_NS + 10**9, ERROR, "mavlink_bridge", "gps", "uav1", "uav1 lost its position"
+        ERROR, "gps", "uav1", "uav1 lost its position", START_NS + 10**9, "mavlink_bridge"
     )
     flaws = Flaws(off_m={"uav1": (30_000.0, 0.0, 0.0)})
     facts = desk.facts(desk.flight(flaws, [event]))

@@ -15,8 +15,8 @@ from jfto.pipeline.run import Run
 from jfto_msgs_py.air import AirReport
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.event import WARN, Event
 from jfto_msgs_py.ros import topics
-from jfto_msgs_py.ros.events import WARN, Event
 from support.fleets import START_NS
 from support.flights import FlightBag, tracks_of
 
@@ -112,7 +112,7 @@ def test_reports_of_the_air_are_in_the_plans_order(plan: Plan, tmp_path: Path) -
 
 def test_events_come_back_once_in_order(plan: Plan, tmp_path: Path) -> None:
     """An event that was latched and recorded twice is one event."""
-    first = Event(START_NS + 10**9, WARN, "power_node", "energy", "uav2", "runs short")
+    first = Event(WARN, "energy", "uav2", "runs short", START_NS + 10**9, "power_node")
     second = dataclasses.replace(first, stamp_ns=START_NS + 2 * 10**9, uav_id="uav3")
     bag = FlightBag(tmp_path / "bag")
     bag.lift_off()
@@ -193,7 +193,7 @@ def test_no_bag_and_no_beginning_are_refused(plan: Plan, tmp_path: Path) -> None
     with pytest.raises(BagError, match="does not exist"):
         read_flight([tmp_path / "nope"], plan)
     bag = FlightBag(tmp_path / "bag")
-    bag.event(Event(START_NS, WARN, "power_node", "energy", "uav2", "runs short"))
+    bag.event(Event(WARN, "energy", "uav2", "runs short", START_NS, "power_node"))
     bag.close()
     with pytest.raises(InputError, match="nothing tells when the flight began"):
         read_flight([tmp_path / "bag"], plan)

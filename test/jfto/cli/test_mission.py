@@ -87,7 +87,7 @@ def test_a_vehicle_missing_from_the_roster_stops_everything(plan, vehicles, caps
     server, roster = vehicles
     three = roster.rpartition(",")[0]
     assert main(["mission", "upload", str(plan), "--vehicles", three]) == 2
-    assert "uav4: in the plan or in the roster, not in both" in capsys.readouterr().err
+    assert "uav4: in the fleet or in the roster, not in both" in capsys.readouterr().err
     assert all(s.vehicle.store.count(0) == 0 for s in server.stations.values())
 
 
@@ -106,7 +106,7 @@ def test_vehicles_are_given_a_signing_key(vehicles, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("vehicles_text", "words"),
     [
-        ("sim:3", "must be sim:4"),
+        ("sim:3", "must be sim or sim:4"),
         ("uav1=1@udp:h:1", "must begin with one of"),
         ("uav1", "UAV=SYSID@LINK"),
     ],

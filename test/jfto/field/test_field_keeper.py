@@ -12,7 +12,7 @@ from jfto.field.state import FLYING, HOLDING, LANDED, PAD, SILENT, UNHEARD, WARN
 from jfto.pipeline.run import Run
 from jfto_msgs_py.network import Adjacency, SlotHorizon
 from jfto_msgs_py.plan import Plan
-from jfto_msgs_py.ros.events import WARN, Event
+from jfto_msgs_py.records.event import WARN, Event
 from jfto_msgs_py.vehicle import VehiclePose
 from jfto_planner.plan_trajectory import timed_trajectories
 from jfto_world.motion.progress import sample
@@ -75,7 +75,7 @@ def test_who_has_done_all_holds_and_who_is_silent_is_said_to_be(plan: Plan) -> N
     _fly(keeper, plan, end)
     assert {uav.phase for uav in keeper.state(_at(end)).uavs} == {HOLDING}
     assert keeper.state(_at(end)).done == 12
-    keeper.take_event(Event(_at(end), 20, "mavlink_bridge", "landed", "uav1", "down"))
+    keeper.take_event(Event(20, "landed", "uav1", "down", _at(end), "mavlink_bridge"))
     phases = [uav.phase for uav in keeper.state(_at(end + 4.0)).uavs]
     assert phases == [LANDED, SILENT, SILENT, SILENT]
 
@@ -131,7 +131,7 @@ def test_energy_is_charged_from_lift_off(plan: Plan) -> None:
 def test_events_are_taken_once_and_timed_from_lift_off(plan: Plan) -> None:
     """A latched event that comes again, as after a restart, is not shown twice."""
     keeper = FieldKeeper(plan, "tiny")
-    event = Event(_at(12.0), WARN, "power_node", "energy", "uav2", "uav2 runs short")
+    event = Event(WARN, "energy", "uav2", "uav2 runs short", _at(12.0), "power_node")
     keeper.take_event(event)
     keeper.take_event(event)
     assert keeper.state(_at(20.0)).events[0].at_s is None

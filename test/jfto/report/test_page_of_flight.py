@@ -12,7 +12,7 @@ import pytest
 from jfto.console.progress import Progress
 from jfto.pipeline.directory import flight_bags
 from jfto.pipeline.run import Run, rebuild
-from jfto_msgs_py.ros.events import WARN, Event
+from jfto_msgs_py.records.event import WARN, Event
 from support.fleets import START_NS
 from support.flights import Flaws, FlightBag, tracks_of
 from support.html import HtmlChecker
@@ -35,7 +35,7 @@ def flown_run(
     bag.poses(tracks_of(run.plan, Flaws(gone_s={"uav4": 70.0})))
     bag.powers(run.plan, run.comparison.ours.power_w)
     text = "uav4 <silent> since 70 s: its neighbours keep the link"
-    bag.event(Event(START_NS + 72 * 10**9, WARN, "mavlink_bridge", "link", "uav4", text))
+    bag.event(Event(WARN, "link", "uav4", text, START_NS + 72 * 10**9, "mavlink_bridge"))
     bag.close()
     return directory, rebuild(directory)
 

@@ -16,7 +16,7 @@ import pytest
 from jfto_mavlink.errors import LinkError, RosterError
 from jfto_mavlink.files.tlog import read_tlog
 from jfto_mavlink.fleet.fly import deliver_to_fleet
-from jfto_mavlink.fleet.link import FleetLink
+from jfto_mavlink.fleet.link import FleetLink, LinkSettings
 from jfto_mavlink.fleet.roster import Roster, parse_roster
 from jfto_mavlink.flight.control import brake
 from jfto_mavlink.io.address import free_udp_port, parse_address
@@ -61,7 +61,9 @@ def test_three_vehicles_on_one_listening_port(tmp_path):
     roster = parse_roster([f"uav{n}={n}@udpin:127.0.0.1:{port}" for n in (1, 2, 3)])
     with (
         serve(*[f"udpto:127.0.0.1:{port}"] * 3) as server,
-        FleetLink(roster, clock=ScaledClock(SPEEDUP), log_directory=tmp_path) as bridge,
+        FleetLink(
+            roster, LinkSettings(log_directory=tmp_path), clock=ScaledClock(SPEEDUP)
+        ) as bridge,
     ):
         bridge.wait_heard(60.0)
         missions = {f"uav{n}": mission(shift=n) for n in (1, 2, 3)}
@@ -109,8 +111,8 @@ def test_a_log_that_cannot_be_written_ends_and_the_bridge_goes_on(tmp_path):
         serve("udp:127.0.0.1:0") as server,
         FleetLink(
             parse_roster([f"uav1=1@udpout:127.0.0.1:{server.addresses(1)[0][1]}"]),
+            LinkSettings(log_directory=tmp_path),
             clock=ScaledClock(SPEEDUP),
-            log_directory=tmp_path,
             on_event=told.append,
         ) as bridge,
     ):
@@ -212,7 +214,9 @@ def test_two_stations_do_not_fight_over_a_vehicle():
         with (
             FleetLink(parse_roster([first]), clock=ScaledClock(SPEEDUP)) as a,
             FleetLink(
-                parse_roster([second]), clock=ScaledClock(SPEEDUP), station=Station(254, 191)
+                parse_roster([second]),
+                LinkSettings(Station(254, 191)),
+                clock=ScaledClock(SPEEDUP),
             ) as b,
         ):
             a.wait_heard(60.0)
@@ -234,7 +238,7 @@ def test_two_stations_do_not_fight_over_a_vehicle():
 
 STATION = """
 import sys
-from jfto_mavlink.fleet.link import FleetLink
+from jfto_mavlink.fleet.link import FleetLink, LinkSettings
 from jfto_mavlink.protocol.timesync import ScaledClock
 from jfto_mavlink.mission.deliver import deliver
 from jfto_mavlink.protocol.item import Item, Mission

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import itertools
+
 import pytest
 
 from jfto_mavlink.dialect import MODES
-from jfto_mavlink.fleet.fly import FlySettings, deliver_to_fleet, start_fleet
+from jfto_mavlink.fleet.changes import state_changes
+from jfto_mavlink.fleet.fly import Fleet, FlySettings, deliver_to_fleet, start_fleet
 from jfto_mavlink.flight.control import pause, return_home
-from jfto_msgs_py.ros.events import INFO
+from jfto_mavlink.flight.telemetry import LinkState
+from jfto_msgs_py.records.event import DEBUG, INFO
 from jfto_sim import LinkFaults
 from support.watched_flight import READY_S, Flight
 
@@ -123,7 +127,7 @@ def test_a_vehicle_that_stays_on_the_ground_is_named(flight):
     sent = {u: m.mission for u, m in flight.missions.items()}
     release = deliver_to_fleet(flight.runner, sent).release()
     one = type(release)({"uav1": release.missions["uav1"]}, {"uav1": release.digests["uav1"]})
-    start_fleet(flight.runner, flight.runner.clock, one, mission, FlySettings())
+    start_fleet(Fleet(flight.runner, mission), one, FlySettings())
     assert flight.until("lift_off", "", 20.0) == "Lift-off: uav1; uav2 stayed on the ground."
 
 
@@ -133,8 +137,48 @@ def test_a_second_flight_has_a_lift_off_of_its_own(flight):
     flight.runner.run(dict.fromkeys(flight.missions, return_home))
     flight.until("landed", "", 200.0)
     first = flight.monitor.begun
-    flight.notices.clear()
+    flight.events.clear()
     flight.start()
     assert flight.told("lift_off", "") == ["Lift-off: uav1, uav2."]
     assert flight.monitor.begun.at_s > first.at_s + 30.0
     assert flight.monitor.ended == {}
+
+
+def test_link_loss_and_return_are_told(flight):
+    """Five silent seconds on the ground are a lost link; the first heartbeat ends it."""
+    flight.runner.advance(3.0)
+    flight.runner.air.set_faults(1, CLEAN, CUT)
+    flight.runner.advance(8.0)
+    assert flight.told("link", "uav1")[-1] == "uav1 on the ground is not heard for 5 s."
+    flight.runner.air.set_faults(1, CLEAN, CLEAN)
+    flight.runner.advance(3.0)
+    assert flight.told("link", "uav1")[-1] == "uav1 on the ground is heard again."
+
+
+def test_a_station_that_slept_does_not_call_its_vehicles_lost(flight):
+    """Time in which it did not listen is no silence; what comes after counts anew."""
+    flight.runner.advance(3.0)
+    flight.runner.now_s += 60.0
+    flight.runner.advance(3.0)
+    assert flight.notices == []
+    flight.vehicles["uav1"].kill()
+    flight.runner.advance(8.0)
+    assert [(event.kind, event.uav_id) for event in flight.notices] == [("link", "uav1")]
+
+
+def test_each_change_is_told_once():
+    """Mode, arming, failsafe: one event each at DEBUG, none for a repetition."""
+    states = [
+        LinkState("uav1", 0.0),
+        LinkState("uav1", 0.5, 0.1, "GUIDED"),
+        LinkState("uav1", 1.0, 0.1, "GUIDED"),
+        LinkState("uav1", 1.5, 0.1, "RTL", armed=True, failsafe=True),
+    ]
+    told = [state_changes(*pair) for pair in itertools.pairwise(states)]
+    assert [[event.kind for event in events] for events in told] == [
+        ["link", "mode"],
+        [],
+        ["mode", "armed", "failsafe"],
+    ]
+    assert [event.text for event in told[2]] == ["mode RTL", "armed", "failsafe"]
+    assert {event.level for events in told for event in events} == {DEBUG}

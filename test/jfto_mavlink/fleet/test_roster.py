@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from jfto_mavlink.errors import LinkAddressError, RosterError
-from jfto_mavlink.fleet.roster import Identity, parse_roster
+from jfto_mavlink.fleet.roster import Identity, parse_roster, parse_vehicles
 
 
 def test_a_roster_finds_vehicles_by_link_and_system_id():
@@ -105,3 +105,47 @@ def test_a_flood_of_forged_senders_stays_small():
         identity.heard(A, 0.001 * port)
     assert len(identity.unknown_peers()) <= 8
     assert identity.peer == A
+
+
+@pytest.mark.parametrize(
+    ("texts", "endpoints", "entries"),
+    [
+        (["tcp:a:1", "tcp:b:2"], (), ["uav1 1 tcp:a:1", "uav2 2 tcp:b:2"]),
+        (["udpin:0.0.0.0:1"], (), ["uav1 1 udpin:0.0.0.0:1", "uav2 2 udpin:0.0.0.0:1"]),
+        ([], ["tcp:a:1"], ["uav1 1 tcp:a:1", "uav2 2 tcp:a:1"]),
+        (["uav2=7", "uav1=4@tcp:b:2"], ["tcp:a:1"], ["uav2 7 tcp:a:1", "uav1 4 tcp:b:2"]),
+    ],
+)
+def test_vehicles_of_a_plan_are_named_by_links_or_entries(texts, endpoints, entries):
+    """One link for all or one each; system ids 1, 2 and so on where entries do not give them."""
+    roster = parse_vehicles(texts, ("uav1", "uav2"), endpoints)
+    assert [f"{e.uav} {e.sysid} {e.link}" for e in roster.entries] == entries
+
+
+def test_vehicles_without_a_plan_are_named_by_their_entries_or_counted():
+    """An order to a fleet needs no plan; links are those of uav1, uav2 and so on."""
+    assert parse_vehicles(["a=3@tcp:a:1"], ()).uavs == ("a",)
+    assert parse_vehicles(["tcp:a:1", "tcp:b:1"], ()).uavs == ("uav1", "uav2")
+
+
+@pytest.mark.parametrize("text", ["sim", "sim:2"])
+def test_simulated_vehicles_have_no_roster(text):
+    """Whoever can simulates them on the pads of the plan."""
+    assert parse_vehicles([text], ("uav1", "uav2")) is None
+
+
+@pytest.mark.parametrize(
+    ("texts", "uavs", "words"),
+    [
+        (["sim:3"], ("uav1", "uav2"), "sim:3: the fleet has 2 UAVs, so it must be sim or sim:2"),
+        (["sim", "tcp:a:1"], ("uav1", "uav2"), "must be sim or sim:2"),
+        (["sim"], (), "stand on the pads of a plan"),
+        (["tcp:a:1", "tcp:b:1", "tcp:c:1"], ("uav1", "uav2"), "endpoints has 3"),
+        (["uav1"], ("uav1",), "neither a link, such as udpin:0.0.0.0:14550, nor UAV=SYSID@LINK"),
+        (["uav1=1@tcp:a:1"], ("uav1", "uav2"), "uav2: in the fleet or in the roster"),
+    ],
+)
+def test_vehicles_that_are_not_the_fleet_are_refused(texts, uavs, words):
+    """In one sentence, whichever command was asked."""
+    with pytest.raises(RosterError, match=words):
+        parse_vehicles(texts, uavs)

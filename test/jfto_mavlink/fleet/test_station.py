@@ -293,32 +293,6 @@ def test_the_clock_of_a_vehicle_is_measured():
     assert abs(sync.utc_error_s) < 0.02
 
 
-def test_link_loss_and_return_are_told():
-    """Five silent seconds are a lost link; the first heartbeat ends it."""
-    told = []
-    runner = fleet(on_event=lambda event: told.append(event.kind))
-    runner.advance(3.0)
-    runner.air.set_faults(1, CLEAN, LinkFaults(cut=True))
-    runner.advance(8.0)
-    assert told[-1] == "link_lost"
-    runner.air.set_faults(1, CLEAN, CLEAN)
-    runner.advance(3.0)
-    assert told[-1] == "link"
-
-
-def test_a_station_that_slept_does_not_call_its_vehicles_lost():
-    """Time in which it did not listen is no silence; what comes after counts anew."""
-    events = []
-    runner = fleet(1, on_event=events.append)
-    runner.advance(3.0)
-    runner.now_s += 60.0
-    runner.advance(3.0)
-    assert "link_lost" not in [event.kind for event in events]
-    runner.vehicles["uav1"].kill()
-    runner.advance(8.0)
-    assert [event.kind for event in events][-1] == "link_lost"
-
-
 def test_a_vehicle_is_given_its_key_and_proves_it_without_the_key_in_the_log():
     """From then on it signs; the log of the link holds everything but the key."""
     logged = bytearray()

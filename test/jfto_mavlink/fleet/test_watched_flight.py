@@ -7,7 +7,8 @@ import json
 import pytest
 
 from jfto_mavlink.dialect import mavlink
-from jfto_mavlink.fleet.flight_state import FlightState, read_flight_state, write_flight_state
+from jfto_mavlink.fleet.monitor import FlightState
+from jfto_mavlink.fleet.watched_flight import read_flight_state, write_flight_state
 from jfto_mavlink.flight.control import pause, resume, return_home
 from jfto_sim.modes.mode import Mode
 from support.watched_flight import Flight
@@ -26,25 +27,25 @@ ASKING = {
 
 
 @pytest.fixture
-def book(tmp_path):
+def state_file(tmp_path):
     return tmp_path / "flight.json"
 
 
-def successor(flight: Flight, plan, book) -> Flight:
+def successor(flight: Flight, plan, state_file) -> Flight:
     """A new bridge in front of the same vehicles, which have flown on in silence meanwhile."""
     for _ in range(100):
         for vehicle in flight.vehicles.values():
             vehicle.advance(0.04)
-    return Flight(plan, book, flight.vehicles)
+    return Flight(plan, state_file, flight.vehicles)
 
 
-def test_a_flight_under_way_is_recognised_and_left_alone(plan, book):
+def test_a_flight_under_way_is_recognised_and_left_alone(plan, state_file):
     """Missions are read, nothing is written; the operator learns who flies what."""
-    first = Flight(plan, book)
+    first = Flight(plan, state_file)
     first.start()
     first.runner.advance(15.0)
     sent = []
-    second = successor(first, plan, book)
+    second = successor(first, plan, state_file)
     send = second.runner.air.send
     second.runner.air.send = lambda data, peer: (sent.append(data), send(data, peer))
     second.recognise()
@@ -60,12 +61,12 @@ def test_a_flight_under_way_is_recognised_and_left_alone(plan, book):
     assert commands == {mavlink.MAV_CMD_REQUEST_MESSAGE, mavlink.MAV_CMD_SET_MESSAGE_INTERVAL}
 
 
-def test_time_zero_outlives_the_bridge(plan, book):
+def test_time_zero_outlives_the_bridge(plan, state_file):
     """The successor says the same, and counts lateness from it."""
-    first = Flight(plan, book)
+    first = Flight(plan, state_file)
     first.start()
     first.runner.advance(20.0)
-    second = successor(first, plan, book)
+    second = successor(first, plan, state_file)
     assert second.lift_offs == []
     second.recognise()
     assert second.lift_offs == first.lift_offs
@@ -77,12 +78,12 @@ def test_time_zero_outlives_the_bridge(plan, book):
     assert second.told("lift_off", "") == []
 
 
-def test_orders_work_after_the_restart(plan, book):
+def test_orders_work_after_the_restart(plan, state_file):
     """Pause, go on, come home."""
-    first = Flight(plan, book)
+    first = Flight(plan, state_file)
     first.start()
     first.runner.advance(15.0)
-    second = successor(first, plan, book)
+    second = successor(first, plan, state_file)
     second.recognise()
     second.runner.run(dict.fromkeys(second.missions, pause))
     assert second.runner.vehicle("uav1").mission_state == mavlink.MISSION_STATE_PAUSED
@@ -92,13 +93,13 @@ def test_orders_work_after_the_restart(plan, book):
     assert second.until("landed", "", 200.0).endswith("uav2 landed on its pad.")
 
 
-def test_a_vehicle_lost_while_nobody_listened_is_still_missed(plan, book):
-    """The book says that it flew; the end of the flight names it."""
-    first = Flight(plan, book)
+def test_a_vehicle_lost_while_nobody_listened_is_still_missed(plan, state_file):
+    """Its state file says that it flew; the end of the flight names it."""
+    first = Flight(plan, state_file)
     first.start()
     first.runner.advance(15.0)
     first.vehicles["uav2"].kill()
-    second = successor(first, plan, book)
+    second = successor(first, plan, state_file)
     second.recognise()
     assert (
         "uav1 on the plan's mission, as read back; uav2 not heard"
@@ -113,26 +114,26 @@ def test_a_vehicle_lost_while_nobody_listened_is_still_missed(plan, book):
     )
 
 
-def test_a_vehicle_that_landed_while_nobody_listened_has_landed(plan, book):
+def test_a_vehicle_that_landed_while_nobody_listened_has_landed(plan, state_file):
     """Its end is found on the ground."""
-    first = Flight(plan, book)
+    first = Flight(plan, state_file)
     first.start()
     first.runner.run({"uav1": return_home})
     for _ in range(3000):
         for vehicle in first.vehicles.values():
             vehicle.advance(0.04)
-    second = Flight(plan, book, first.vehicles)
+    second = Flight(plan, state_file, first.vehicles)
     second.recognise()
     assert second.until("landed", "uav1", 10.0) == "uav1 has landed on its pad."
 
 
-def test_another_mission_on_board_is_said_not_replaced(plan, book):
+def test_another_mission_on_board_is_said_not_replaced(plan, state_file):
     """It is followed and obeys; whose it is, is for the operator to know."""
-    first = Flight(plan, book)
+    first = Flight(plan, state_file)
     first.start()
     first.runner.advance(15.0)
     first.vehicles["uav1"].params.store("WPNAV_RADIUS", 500.0)
-    second = successor(first, plan, book)
+    second = successor(first, plan, state_file)
     second.recognise()
     assert (
         "uav1 in AUTO with a mission that is not the plan's (WPNAV_RADIUS: sent 120, on board 500)."
@@ -140,38 +141,38 @@ def test_another_mission_on_board_is_said_not_replaced(plan, book):
     assert [v.mode.number for v in second.vehicles.values()] == [Mode.AUTO, Mode.AUTO]
 
 
-def test_a_flight_that_began_unseen_is_placed_by_its_progress(plan, book):
+def test_a_flight_that_began_unseen_is_placed_by_its_progress(plan, state_file):
     """Killed before lift-off was known: time zero is as the plan has the last waypoint."""
     first = Flight(plan)
     first.start()
     first.runner.advance(5.0)
-    second = successor(first, plan, book)
+    second = successor(first, plan, state_file)
     second.recognise()
     second.until("lift_off", "", 10.0)
     assert second.lift_offs[0] == pytest.approx(first.lift_offs[0], abs=15e9)
 
 
-def test_a_start_on_the_ground_is_no_restart(plan, book):
+def test_a_start_on_the_ground_is_no_restart(plan, state_file):
     """Nothing is told."""
-    flight = Flight(plan, book)
+    flight = Flight(plan, state_file)
     flight.runner.advance(45.0)
     flight.recognise()
     assert flight.notices == []
 
 
-def test_a_book_is_only_for_its_own_missions(book):
-    """Another plan's flight is not this one's; a broken book is told and written anew."""
+def test_a_state_file_is_only_for_its_own_missions(state_file):
+    """Another plan's flight is not this one's; a broken file is told and written anew."""
     written = FlightState({"uav1": "a"}, 12, {"uav1": "landed on its pad"}, over=True)
-    write_flight_state(written, book)
-    assert read_flight_state({"uav1": "a"}, book) == written
-    assert read_flight_state({"uav1": "b"}, book) is None
-    assert json.loads(book.read_text())["lift_off_ns"] == 12
+    write_flight_state(written, state_file)
+    assert read_flight_state({"uav1": "a"}, state_file) == written
+    assert read_flight_state({"uav1": "b"}, state_file) is None
+    assert json.loads(state_file.read_text())["lift_off_ns"] == 12
 
 
-def test_a_broken_book_does_not_ground_a_bridge(plan, book):
+def test_a_broken_state_file_does_not_ground_a_bridge(plan, state_file):
     """The operator is told; the flight is kept from the state of its vehicles."""
-    book.write_text("{", encoding="utf-8")
-    flight = Flight(plan, book)
+    state_file.write_text("{", encoding="utf-8")
+    flight = Flight(plan, state_file)
     assert "does not say what flight is under way" in flight.told("restart", "")[0]
     flight.start()
-    assert json.loads(book.read_text())["lift_off_ns"] == flight.lift_offs[0]
+    assert json.loads(state_file.read_text())["lift_off_ns"] == flight.lift_offs[0]

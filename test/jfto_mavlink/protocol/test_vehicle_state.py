@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 from jfto_mavlink.dialect import mavlink
-from jfto_mavlink.fleet.changes import Watch
 from jfto_mavlink.protocol.vehicle_state import VehicleState
 
 
@@ -66,17 +65,3 @@ def test_old_datagrams_are_no_reboot_and_a_reboot_forgets_what_is_untrue():
     position(900)
     assert vehicle.reboots == 1
     assert vehicle.home_deg_m is None
-
-
-def test_each_change_is_told_once():
-    """Mode, arming, failsafe: one event each, none for a repetition."""
-    vehicle = VehicleState("uav1")
-    watch = Watch(vehicle)
-    beat = mavlink.MAVLink_heartbeat_message(2, 3, 81, 3, 4, 3)
-    vehicle.update(beat, 0.0)
-    assert [event.kind for event in watch.look(0.1)] == ["link", "mode"]
-    assert watch.look(0.2) == []
-    armed = mavlink.MAVLink_heartbeat_message(2, 3, 209, 6, 5, 3)
-    vehicle.update(armed, 1.0)
-    assert [event.text for event in watch.look(1.1)] == ["mode RTL", "armed", "failsafe"]
-    assert [event.kind for event in watch.look(9.0)] == ["link_lost"]

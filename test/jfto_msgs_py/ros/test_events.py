@@ -6,23 +6,16 @@ import pytest
 from rcl_interfaces.msg import Log
 
 from jfto_msgs_py.errors import MessageError
+from jfto_msgs_py.records.event import ERROR, INFO, WARN, Event
 from jfto_msgs_py.ros import qos, topics
-from jfto_msgs_py.ros.events import (
-    ERROR,
-    INFO,
-    WARN,
-    Event,
-    EventLimit,
-    decode_event,
-    encode_event,
-)
+from jfto_msgs_py.ros.events import EventLimit, decode_event, encode_event
 from jfto_topology.topology_node import TopologyNode
 from support.graph import Graph
 
 
 def test_an_event_survives_its_message() -> None:
     """Stamp, level, node, kind, UAV and text, in the fields that the contract names."""
-    event = Event(1763776800_250000001, WARN, "topology_node", "k_min", "uav3", "too few, told so")
+    event = Event(WARN, "k_min", "uav3", "too few, told so", 1763776800_250000001, "topology_node")
     message = encode_event(event)
     assert (message.function, message.file, message.name) == ("k_min", "uav3", "topology_node")
     assert (message.level, message.msg) == (30, "too few, told so")
@@ -35,7 +28,7 @@ def test_an_event_survives_its_message() -> None:
 )
 def test_a_message_that_is_no_event_is_refused(field, value) -> None:
     """Each field at fault is named."""
-    message = encode_event(Event(0, INFO, "node", "late", "", "text"))
+    message = encode_event(Event(INFO, "late", "", "text", 0, "node"))
     setattr(message, field, value)
     with pytest.raises(MessageError) as caught:
         decode_event(message)
@@ -62,8 +55,8 @@ def test_a_late_joiner_hears_what_a_node_has_announced() -> None:
         node = graph.add(TopologyNode, use_sim_time=True)
         graph.at(3.0)
         for number in range(20):
-            node.announce(WARN, "late", "uav1", f"{number} s late")
-        node.announce(ERROR, "k_min", "", "the fleet is apart")
+            node.announce(Event(WARN, "late", "uav1", f"{number} s late"))
+        node.announce(Event(ERROR, "k_min", "", "the fleet is apart"))
         heard = graph.collect(Log, topics.EVENTS, qos.events())
         graph.until(lambda: len(heard) == 11)
         events = [decode_event(message) for message in heard]

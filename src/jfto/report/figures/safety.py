@@ -19,7 +19,7 @@ from jfto.report.figures.style import (
     styled,
 )
 from jfto.report.palette import uav_colour
-from jfto_msgs_py.ros.events import ERROR, WARN
+from jfto_msgs_py.records.event import ERROR, WARN
 from jfto_msgs_py.types import Array
 
 # More to spare than this is as good as any.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from jfto_msgs_py.episodes import Episodes
-from jfto_msgs_py.ros.events import ERROR, INFO, WARN
+from jfto_msgs_py.records.event import ERROR, INFO, WARN, Event
 from jfto_topology.horizon import HorizonTopology
 from jfto_world.motion.fleet_prediction import FleetPrediction
 
@@ -14,8 +14,8 @@ _LATE_OVER_S = 7.0
 _SHIFT_S = 5.0
 
 
-class FleetNews:
-    """Turns what each slot was solved from into events: (level, kind, UAV, text)."""
+class FleetEvents:
+    """Turns what each slot was solved from into events."""
 
     def __init__(self, prediction: FleetPrediction) -> None:
         self._prediction = prediction
@@ -25,7 +25,7 @@ class FleetNews:
         self._blind: Episodes[str] = Episodes()
         self._told_shift_s = 0.0
 
-    def of_slot(self, found: HorizonTopology, now_ns: int) -> list[tuple[int, str, str, str]]:
+    def of_slot(self, found: HorizonTopology, now_ns: int) -> list[Event]:
         """Events after a slot was solved at `now_ns`."""
         return [
             *self._of_silence(found, now_ns),
@@ -33,27 +33,31 @@ class FleetNews:
             *self._of_shift(found),
         ]
 
-    def _of_silence(self, found: HorizonTopology, now_ns: int) -> list[tuple[int, str, str, str]]:
-        news = []
+    def _of_silence(self, found: HorizonTopology, now_ns: int) -> list[Event]:
+        events: list[Event] = []
         began, over = self._blind.update(["blind"] if found.blind else [])
         if began:
             text = "Hardly a UAV is heard: the topology goes on from their last good predictions."
-            news.append((ERROR, "stale", "", text))
+            events.append(Event(ERROR, "stale", "", text))
         if over:
-            news.append((INFO, "stale", "", "UAVs are heard again: the topology follows them."))
+            events.append(
+                Event(INFO, "stale", "", "UAVs are heard again: the topology follows them.")
+            )
         if found.blind:
-            return news
+            return events
         began, over = self._stale.update(found.excluded)
         for uav in began:
             stamp_ns = self._prediction.pose_stamp_ns(uav)
             since = "yet" if stamp_ns is None else f"for {(now_ns - stamp_ns) / 1e9:.1f} s"
             text = f"No pose of {uav} {since}: left out of the topology until it is heard."
-            news.append((WARN, "stale", uav, text))
-        news += [(INFO, "stale", uav, f"{uav} is heard, and part of the topology.") for uav in over]
-        return news
+            events.append(Event(WARN, "stale", uav, text))
+        events += [
+            Event(INFO, "stale", uav, f"{uav} is heard, and part of the topology.") for uav in over
+        ]
+        return events
 
-    def _of_routes(self, found: HorizonTopology) -> list[tuple[int, str, str, str]]:
-        news = []
+    def _of_routes(self, found: HorizonTopology) -> list[Event]:
+        events: list[Event] = []
         uav_ids, fleet_s = found.adjacency.uav_ids, found.lag_s or 0.0
         off = [uav for uav in uav_ids if self._prediction.is_off_route(uav)]
         late_s = {
@@ -69,20 +73,24 @@ class FleetNews:
         began, over = self._off.update(off)
         for uav in began:
             text = f"{uav} has left its route: it is reckoned with where it is measured."
-            news.append((WARN, "late", uav, text))
-        news += [(INFO, "late", uav, f"{uav} no longer strays from its route.") for uav in over]
+            events.append(Event(WARN, "late", uav, text))
+        events += [
+            Event(INFO, "late", uav, f"{uav} no longer strays from its route.") for uav in over
+        ]
         began, over = self._late.update(late)
         for uav in began:
             text = f"{uav} runs {late_s[uav]:.0f} s later than the fleet: it is predicted so."
-            news.append((WARN, "late", uav, text))
-        news += [(INFO, "late", uav, f"{uav} no longer lags behind the fleet.") for uav in over]
-        return news
+            events.append(Event(WARN, "late", uav, text))
+        events += [
+            Event(INFO, "late", uav, f"{uav} no longer lags behind the fleet.") for uav in over
+        ]
+        return events
 
-    def _of_shift(self, found: HorizonTopology) -> list[tuple[int, str, str, str]]:
+    def _of_shift(self, found: HorizonTopology) -> list[Event]:
         step_s = max(_SHIFT_S, found.adjacency.horizon.duration_s)
         if abs(found.shift_s - self._told_shift_s) < step_s:
             return []
         self._told_shift_s = found.shift_s
         how = "late" if found.shift_s >= 0 else "early"
         text = f"The fleet runs {abs(found.shift_s):.0f} s {how}: its slots are shifted by as much."
-        return [(INFO, "late", "", text)]
+        return [Event(INFO, "late", "", text)]

@@ -1,0 +1,202 @@
+"""A fleet in operation: its plan read, its links open, its orders, its flight watched.
+
+Knows no ROS: a node hands in its time and what it wants to be told.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from jfto_mavlink.errors import LinkError, RosterError
+from jfto_mavlink.fleet.fly import Fleet, Reporter
+from jfto_mavlink.fleet.link import FleetLink, LinkSettings
+from jfto_mavlink.fleet.orders import FleetOrders, OrderSettings
+from jfto_mavlink.fleet.roster import Roster, parse_vehicles
+from jfto_mavlink.fleet.watched_flight import Recognised, WatchedFlight, recognise_all
+from jfto_mavlink.flight.follow import Moment
+from jfto_mavlink.flight.telemetry import LinkState, Measurement, PositionSample, Sample, listen
+from jfto_mavlink.guided.orders import GuidedOrders
+from jfto_mavlink.guided.scheduler import GuidedSettings
+from jfto_mavlink.guided.target import MapFrame
+from jfto_mavlink.io.signing import load_signer
+from jfto_mavlink.mission.build import VehicleMission, build_missions
+from jfto_mavlink.mission.limits import Ground
+from jfto_mavlink.mission.settings import MissionSettings, settings_for
+from jfto_mavlink.options import BridgeOptions
+from jfto_mavlink.protocol.exchange import Context
+from jfto_mavlink.protocol.setup import rates_for
+from jfto_mavlink.protocol.timesync import PacedClock
+from jfto_msgs_py.errors import PlanError
+from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.plan_file import read_plan
+from jfto_msgs_py.records.event import Event
+from jfto_msgs_py.vehicle import VehiclePose
+from jfto_world.terrain.frame import LocalFrame
+
+NS = 1_000_000_000
+# What comes in from other threads than the node's.
+Incoming = Sample | Event | Recognised
+
+
+@dataclass(frozen=True)
+class NodeSide:
+    """The node's time, and what it is told: `incoming` and `report` in threads of the link.
+
+    `now_ns` is the graph's time, `clock` the same in seconds where vehicles are to keep it, None
+    where they keep the wall's. `lift_off` is called with the fleet's time zero (ns).
+    """
+
+    now_ns: Callable[[], int]
+    clock: PacedClock | None
+    incoming: Callable[[Incoming], None]
+    report: Reporter
+    tell: Callable[[Event], None]
+    lift_off: Callable[[int], None]
+
+
+def real_roster(options: BridgeOptions, uavs: tuple[str, ...]) -> Roster:
+    """Roster of the vehicles that the parameters name; raises RosterError."""
+    roster = parse_vehicles(options.roster, uavs, options.endpoints)
+    if roster is None:
+        raise RosterError(
+            201,
+            "roster is sim; mavlink_bridge simulates no vehicles. Start simulated_fleet, and name "
+            "the link that it sends to.",
+        )
+    return roster
+
+
+def open_operation(
+    stack: ExitStack,
+    uavs: tuple[str, ...],
+    options: BridgeOptions,
+    ground: Callable[[], Ground] | None,
+    node: NodeSide,
+) -> Operation:
+    """Read the plan of a fleet, build its missions and open its links, vehicles heard or not.
+
+    With `ground` (the scenario's terrain) missions must clear it. Raises LinkError, MissionError,
+    PlanError, RosterError or SigningError.
+    """
+    if options.vehicle_stamps and node.now_ns() == 0:
+        raise LinkError(103, "/clock is not there yet.")
+    path = Path(options.plan_file)
+    if not path.exists():
+        raise PlanError(f"{path} is not there yet.")
+    plan = read_plan(path)
+    ids = tuple(uav.id for uav in plan.uavs)
+    if ids != uavs:
+        raise PlanError(
+            f"{path} is for {', '.join(ids)}, the scenario for {', '.join(uavs)}. Give both the "
+            "same fleet."
+        )
+    settings = _mission_settings(plan, options)
+    built = build_missions(plan, settings, ground=None if ground is None else ground())
+    link = stack.enter_context(
+        FleetLink(
+            real_roster(options, ids),
+            LinkSettings(
+                signer=load_signer(Path(options.key_file)) if options.key_file else None,
+                rates=rates_for(options.telemetry_rate_hz, options.speedup),
+                log_directory=Path(options.log_directory) if options.log_directory else None,
+            ),
+            clock=node.clock,
+            unix=node.clock or time.time,
+            on_event=node.incoming,
+        )
+    )
+    fleet = Fleet(link, {mission.uav: mission for mission in built}, node.report)
+    chosen = OrderSettings(options.allow_arming, options.abort_by_landing)
+    orders = FleetOrders(fleet, chosen)
+    if options.guided:
+        guided = GuidedSettings(take_off_m=settings.takeoff_height_m)
+        orders = GuidedOrders(fleet, chosen, plan, node.now_ns, guided)
+    return Operation(plan, link, orders, options, node)
+
+
+def _mission_settings(plan: Plan, options: BridgeOptions) -> MissionSettings:
+    return settings_for(
+        plan,
+        style=None if options.style == "planned" else options.style,
+        pass_within_m=options.pass_within_m,
+        takeoff_height_m=options.takeoff_height_m or None,
+    )
+
+
+class Operation:
+    """A fleet with its links open. Its methods but `own_s` are called in the node's executor."""
+
+    def __init__(
+        self,
+        plan: Plan,
+        link: FleetLink,
+        orders: FleetOrders,
+        options: BridgeOptions,
+        node: NodeSide,
+    ) -> None:
+        self.plan, self.link, self.orders = plan, link, orders
+        self._node, self._speedup = node, options.speedup
+        self._is_stamped_by_vehicles = options.vehicle_stamps
+        frame = LocalFrame(plan.origin)
+        missions = orders.missions
+        self._maps = {uav: MapFrame(frame, m.home_deg_m[2]) for uav, m in missions.items()}
+        self.states: dict[str, LinkState] = {}
+        self.flight = WatchedFlight(
+            missions,
+            Path(options.state_file) if options.state_file else None,
+            link.lost_after_s,
+            node.tell,
+            node.lift_off,
+            self,
+        )
+
+    def begin(self) -> None:
+        """Listen to the vehicles, and find out what they are doing."""
+        self.flight.begin()
+        missions: dict[str, VehicleMission] = self.orders.missions
+        for uav, mission in missions.items():
+            job = partial(
+                listen,
+                mission=mission,
+                sink=self._node.incoming,
+                under_way=self.flight.under_way,
+            )
+            self.link.start(uav, job)
+        recognise_all(self.link, missions, self._node.incoming)
+
+    def take(self, news: LinkState | Recognised) -> None:
+        """Take in what a vehicle does, or was found doing at the beginning."""
+        if isinstance(news, Recognised):
+            self.flight.found(news)
+            return
+        self.states[news.uav] = news
+        self.flight.take(news)
+
+    def pose(self, sample: PositionSample, stamp_ns: int) -> VehiclePose:
+        """A position on the plan's map."""
+        place = self._maps[sample.uav].position_m(sample.lat_deg, sample.lon_deg, sample.height_m)
+        here = (float(place[0]), float(place[1]), float(place[2]))
+        return VehiclePose(stamp_ns, here, sample.yaw_deg)
+
+    def stamp_ns(self, sample: Measurement | Moment) -> int | None:
+        """When a sample was true on the graph's clock; None while nobody can tell."""
+        if self._is_stamped_by_vehicles:
+            return sample.utc_ns
+        age_s = max(self.link.clock() - sample.at_s, 0.0) / self.link.clock.speedup
+        return self._node.now_ns() - round(age_s * NS)
+
+    def begun_ns(self, moment: Moment) -> int | None:
+        """Time zero of a flight that began at a moment: what is streamed has it in its stamps."""
+        return self.orders.begun_ns(lambda: self.stamp_ns(moment))
+
+    def own_s(self, context: Context, at_ns: int) -> float | None:
+        """A time of the graph's on a vehicle's own clock; called in the link's thread."""
+        if self._is_stamped_by_vehicles:
+            return context.vehicle.boot_s(at_ns)
+        gone_s = (self._node.now_ns() - at_ns) / NS * self._speedup
+        return context.vehicle.own_time_s(context.clock()) - gone_s

@@ -1,0 +1,1 @@
+"""Records that cross borders between rooms, with nothing of ROS in them."""
