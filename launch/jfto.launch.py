@@ -103,7 +103,8 @@ def _options(given):
 
 def _vehicles(given, loaded):
     """Who flies, as `jfto up --vehicles` would have it."""
-    from jfto.supervision.vehicles import FROM_SCENARIO, SIMULATED, choose_vehicles
+    from jfto.supervision.vehicles import FROM_SCENARIO, choose_vehicles
+    from jfto_mavlink.fleet.roster import SIMULATED
 
     texts = [text for text in given["vehicles"].split(",") if text] or [FROM_SCENARIO]
     return choose_vehicles(
