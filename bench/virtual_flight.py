@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Protocol
 
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "test"))
 
 from jfto_msgs_py.air import AirReport
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.units import w_to_dbm
 from jfto_planner.plan_trajectory import timed_trajectories
-from jfto_sim.air import Air, AirMember, AirSettings, SlowError
+from jfto_sim.air import Air, AirMember, AirSettings
 from jfto_topology.metrics import components, connectivity_rate
 from jfto_world.motion.progress import sample
 from jfto_world.radio import degrees
+from support.slow_error import SlowError
 
 START_NS = 1_763_776_800 * 10**9
 STEPS_PER_SLOT = 5

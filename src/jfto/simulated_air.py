@@ -6,8 +6,7 @@ import numpy as np
 
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.scenario.simulation import SimulationPart
-from jfto_sim.air import Air, AirMember, AirSettings, FleetAir
-from jfto_sim.air.obstruction import Ground
+from jfto_sim.air import Air, AirMember, AirSettings, FleetAir, Ground
 from jfto_world.terrain import Dem
 from jfto_world.terrain.frame import LocalFrame
 

@@ -6,10 +6,11 @@ Most of it goes only to ports on which something has been heard; origin and home
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from jfto_sim.clock import Clock
 from jfto_sim.dialect import INFO
-from jfto_sim.parameter_protocol import ParameterProtocol
+from jfto_sim.parameters import ParameterProtocol
 from jfto_sim.ports import Ports
 from jfto_sim.position import Position
 
@@ -62,6 +63,7 @@ HOME_AT_S = 19.851
 _STAT_FIRST_S, _STAT_EVERY_S = 30.281, 31.007
 
 
+@dataclass
 class Boot:
     """Plays the power-up list once the vehicle's clock passes each entry; then the statistics.
 
@@ -69,26 +71,20 @@ class Boot:
     `flight_time_s` tells the seconds in the air since power-up.
     """
 
-    def __init__(
-        self,
-        clock: Clock,
-        ports: Ports,
-        parameters: ParameterProtocol,
-        position: Position,
-        *,
-        boots: int,
-        elevation_m: float,
-        flight_time_s: Callable[[], float],
-    ) -> None:
-        self._clock = clock
-        self._ports = ports
-        self._parameters = parameters
-        self._position = position
-        self._elevation_m = elevation_m
-        self._flight_time_s = flight_time_s
-        first = boots == 1
-        self._run_before_s = 0 if first else int(parameters.params["STAT_RUNTIME"])
-        self._told_flight_s = 0
+    clock: Clock
+    ports: Ports
+    parameters: ParameterProtocol
+    position: Position
+    boots: int
+    elevation_m: float
+    flight_time_s: Callable[[], float]
+    _at: int = 0
+    _stat_s: float = _STAT_FIRST_S
+    _told_flight_s: int = 0
+
+    def __post_init__(self) -> None:
+        first = self.boots == 1
+        self._run_before_s = 0 if first else int(self.parameters.params["STAT_RUNTIME"])
         events: list[tuple[float, int, str]] = [(t, 0, text) for t, text in _TEXTS]
         for time_s, names, only_first, early in _PARAMETERS:
             if first or not only_first:
@@ -98,8 +94,6 @@ class Boot:
         events.append((HOME_AT_S, 3, ""))
         # texts before parameters at one instant, both in the order given
         self._events = sorted(events, key=lambda e: e[0])
-        self._at = 0
-        self._stat_s = _STAT_FIRST_S
 
     @property
     def next_s(self) -> float:
@@ -109,24 +103,24 @@ class Boot:
 
     def tick(self) -> None:
         """Say what is due."""
-        now = self._clock.time_s
+        now = self.clock.time_s
         while self._at < len(self._events) and self._events[self._at][0] <= now + 1e-9:
             _, kind, what = self._events[self._at]
             self._at += 1
             if kind == 0:
-                self._ports.text(INFO, what.format(elevation=self._elevation_m))
+                self.ports.text(INFO, what.format(elevation=self.elevation_m))
             elif kind == 3:
-                self._position.announce_home()
+                self.position.announce_home()
             else:
-                self._parameters.tell(what, _FIRST_COUNT if kind == 1 else None)
+                self.parameters.tell(what, _FIRST_COUNT if kind == 1 else None)
         if now >= self._stat_s:
             self._stat_s += _STAT_EVERY_S
             self._statistics(now)
 
     def _statistics(self, now: float) -> None:
-        flown_s = int(self._flight_time_s())
+        flown_s = int(self.flight_time_s())
         if flown_s != self._told_flight_s:
             gained, self._told_flight_s = flown_s - self._told_flight_s, flown_s
-            total = self._parameters.params["STAT_FLTTIME"] + gained
-            self._parameters.tell_stored("STAT_FLTTIME", total)
-        self._parameters.tell_stored("STAT_RUNTIME", self._run_before_s + int(now))
+            total = self.parameters.params["STAT_FLTTIME"] + gained
+            self.parameters.tell_stored("STAT_FLTTIME", total)
+        self.parameters.tell_stored("STAT_RUNTIME", self._run_before_s + int(now))

@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 from jfto_sim.commands import Command, CommandHandler
 from jfto_sim.dialect import ACCEPTED, FAILED, UNSUPPORTED, mavlink
 from jfto_sim.flight import Flight
-from jfto_sim.ports import Ports
 
 
+@dataclass
 class Camera:
     """Exists only if CAM1_TYPE was set when the vehicle powered up; its mount shows nothing."""
 
-    def __init__(self, flight: Flight, ports: Ports) -> None:
-        self._flight = flight
-        self._ports = ports
-        self._present = flight.params["CAM1_TYPE"] != 0
-        self._count = 0
-        self._spacing_m = 0.0
-        self._last_m: tuple[float, float, float] | None = None
+    flight: Flight
+    _count: int = 0
+    _spacing_m: float = 0.0
+    _last_m: tuple[float, float, float] | None = None
+
+    def __post_init__(self) -> None:
+        self._present = self.flight.params["CAM1_TYPE"] != 0
         self.commands: dict[int, CommandHandler] = {
             mavlink.MAV_CMD_DO_DIGICAM_CONTROL: self._do_shoot,
             mavlink.MAV_CMD_IMAGE_START_CAPTURE: self._do_shoot,
@@ -30,7 +31,7 @@ class Camera:
     def every(self, spacing_m: float, *, at_once: bool) -> None:
         """A picture per distance flown; 0 stops."""
         self._spacing_m = max(0.0, spacing_m)
-        self._last_m = self._flight.body.position_m
+        self._last_m = self.flight.body.position_m
         if at_once and spacing_m > 0:
             self.shoot()
 
@@ -38,7 +39,7 @@ class Camera:
         """Trigger by distance."""
         if self._spacing_m <= 0 or self._last_m is None:
             return
-        here = self._flight.body.position_m
+        here = self.flight.body.position_m
         if math.dist(here[:2], self._last_m[:2]) >= self._spacing_m:
             self._last_m = here
             self.shoot()
@@ -48,12 +49,12 @@ class Camera:
         if not self._present:
             return
         self._count += 1
-        body, position = self._flight.body, self._flight.position
+        body, position = self.flight.body, self.flight.position
         lat, lon, alt_m = position.reported()
         roll, pitch = body.attitude_deg
-        self._ports.broadcast(
+        self.flight.ports.broadcast(
             mavlink.MAVLink_camera_feedback_message(
-                self._flight.clock.utc_us, 0, 0, self._count, lat, lon, alt_m,
+                self.flight.clock.utc_us, 0, 0, self._count, lat, lon, alt_m,
                 position.from_home_m[2], roll, pitch, body.yaw_deg, 0.0, 0, 0,
             )
         )  # fmt: skip
@@ -69,4 +70,4 @@ class Camera:
         return ACCEPTED
 
     def _do_mount(self, _c: Command) -> int:
-        return ACCEPTED if self._flight.params["MNT1_TYPE"] else FAILED
+        return ACCEPTED if self.flight.params["MNT1_TYPE"] else FAILED

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 from jfto_sim.battery import Battery, BatteryState
 from jfto_sim.dialect import CRITICAL, EMERGENCY, NOTICE, WARNING, Message
@@ -17,7 +18,7 @@ from jfto_sim.mission.fence import breach
 from jfto_sim.mission.items import Store
 from jfto_sim.modes.mode import NEEDS_POSITION, Mode, Modes
 from jfto_sim.modes.simple import Land
-from jfto_sim.ports import MessageHandler, Ports
+from jfto_sim.ports import MessageHandler
 
 CONTINUE_IN_AUTO = 2  # bit of FS_OPTIONS
 _BATTERY_ACTION = {1: Mode.LAND, 2: Mode.RTL, 3: Mode.RTL, 4: Mode.RTL, 7: Mode.BRAKE}
@@ -25,44 +26,36 @@ _FENCE_ACTION = {1: Mode.RTL, 2: Mode.LAND, 3: Mode.RTL, 4: Mode.BRAKE, 5: Mode.
 _THRUST_LOSS_AFTER_S = 3.9
 
 
+@dataclass
 class Failsafes:
     """Watches what can go wrong, and changes the mode of `modes`; `land` is its LAND mode."""
 
-    def __init__(
-        self,
-        flight: Flight,
-        battery: Battery,
-        estimator: Estimator,
-        store: Store,
-        ports: Ports,
-        modes: Modes,
-        land: Land,
-    ) -> None:
-        self.fence_breach = 0
-        self.fence_count = 0
-        self.fence_time_s = 0.0
-        self._flight = flight
-        self._battery = battery
-        self._estimator = estimator
-        self._store = store
-        self._ports = ports
-        self._modes = modes
-        self._land = land
-        self._station_heard_s: float | None = None
-        self._station = False
-        self._ekf = False
-        self._ekf_acted = False
-        self._variance_told = False
-        self._aiding_told = True
-        self._lane_switched = False
-        self._thrust_told = False
+    flight: Flight
+    battery: Battery
+    estimator: Estimator
+    store: Store
+    modes: Modes
+    land: Land
+    fence_breach: int = 0
+    fence_count: int = 0
+    fence_time_s: float = 0.0
+    _station_heard_s: float | None = None
+    _station: bool = False
+    _ekf: bool = False
+    _ekf_acted: bool = False
+    _variance_told: bool = False
+    _aiding_told: bool = True
+    _lane_switched: bool = False
+    _thrust_told: bool = False
+
+    def __post_init__(self) -> None:
         self.messages: dict[str, MessageHandler] = {"HEARTBEAT": self._heartbeat}
-        flight.motors.when_stopped.append(self._motors_stopped)
+        self.flight.motors.when_stopped.append(self._motors_stopped)
 
     @property
     def critical(self) -> bool:
         """Whether a failsafe is in force; HEARTBEAT shows it as system status 5."""
-        return self._station or self._ekf or self._battery.state > BatteryState.HEALTHY
+        return self._station or self._ekf or self.battery.state > BatteryState.HEALTHY
 
     def tick(self) -> None:
         """Look at everything once; called ten times a second."""
@@ -74,119 +67,119 @@ class Failsafes:
 
     def _go(self, mode: Mode) -> None:
         """Change mode, or stop the motors where the vehicle stands on the ground."""
-        if self._flight.body.landed:
-            self._flight.motors.stop()
-        elif mode == Mode.LAND or not self._modes.set(mode):
-            self._modes.set(Mode.LAND)
-            self._land.wait()
+        if self.flight.body.landed:
+            self.flight.motors.stop()
+        elif mode == Mode.LAND or not self.modes.set(mode):
+            self.modes.set(Mode.LAND)
+            self.land.wait()
 
     def _heartbeat(self, m: Message, _port: int) -> None:
         """A heartbeat of SYSID_MYGCS arrived."""
-        if m.get_srcSystem() != self._flight.params["SYSID_MYGCS"]:
+        if m.get_srcSystem() != self.flight.params["SYSID_MYGCS"]:
             return
-        self._station_heard_s = self._flight.clock.time_s
+        self._station_heard_s = self.flight.clock.time_s
         if self._station:
             self._station = False
-            self._ports.text(WARNING, "GCS Failsafe Cleared")
+            self.flight.ports.text(WARNING, "GCS Failsafe Cleared")
 
     def _watch_station(self) -> None:
-        params = self._flight.params
+        params = self.flight.params
         action = int(params["FS_GCS_ENABLE"])
         if action == 0 or self._station_heard_s is None or self._station:
             return
-        if self._flight.clock.time_s - self._station_heard_s < params["FS_GCS_TIMEOUT"]:
+        if self.flight.clock.time_s - self._station_heard_s < params["FS_GCS_TIMEOUT"]:
             return
         self._station = True
-        if not self._flight.motors.armed:
+        if not self.flight.motors.armed:
             return
-        on_mission = self._modes.current.number is Mode.AUTO
+        on_mission = self.modes.current.number is Mode.AUTO
         if on_mission and int(params["FS_OPTIONS"]) & CONTINUE_IN_AUTO:
-            self._ports.text(WARNING, "GCS Failsafe - Continuing Auto Mode")
+            self.flight.ports.text(WARNING, "GCS Failsafe - Continuing Auto Mode")
             return
-        self._ports.text(WARNING, "GCS Failsafe")
+        self.flight.ports.text(WARNING, "GCS Failsafe")
         self._go(Mode.LAND if action == 5 else Mode.RTL)
 
     def _watch_battery(self) -> None:
-        battery = self._battery
-        found = battery.worsened(self._flight.clock.time_s)
+        battery = self.battery
+        found = battery.worsened(self.flight.clock.time_s)
         if found is None:
             return
         critical = found is BatteryState.CRITICAL
-        self._ports.text(
+        self.flight.ports.text(
             WARNING,
             f"Battery 1 is {'critical' if critical else 'low'} {battery.voltage_v:.2f}V "
             f"used {battery.consumed_mah:.0f} mAh",
         )
         name = "BATT_FS_CRT_ACT" if critical else "BATT_FS_LOW_ACT"
-        action = _BATTERY_ACTION.get(int(self._flight.params[name]))
-        self._ports.text(WARNING, "Battery Failsafe")
-        if action is not None and self._flight.motors.armed:
+        action = _BATTERY_ACTION.get(int(self.flight.params[name]))
+        self.flight.ports.text(WARNING, "Battery Failsafe")
+        if action is not None and self.flight.motors.armed:
             self._go(action)
 
     def _watch_ekf(self) -> None:
-        estimator, now = self._estimator, self._flight.clock.time_s
+        estimator, now = self.estimator, self.flight.clock.time_s
         estimator.update()
-        lost_s, armed = estimator.lost_for_s, self._flight.motors.armed
+        lost_s, armed = estimator.lost_for_s, self.flight.motors.armed
         if armed and lost_s >= VARIANCE_AFTER_S - 0.1 and not self._lane_switched:
             self._lane_switched = True
-            self._ports.text(CRITICAL, "EKF3 lane switch 1")
-            self._ports.text(WARNING, "EKF primary changed:1")
+            self.flight.ports.text(CRITICAL, "EKF3 lane switch 1")
+            self.flight.ports.text(WARNING, "EKF primary changed:1")
         if lost_s >= VARIANCE_AFTER_S and not self._variance_told and now > 10.0:
             self._variance_told = True
-            self._ports.text(CRITICAL, "EKF variance")
+            self.flight.ports.text(CRITICAL, "EKF variance")
             self._ekf_lost()
-        armed = self._flight.motors.armed
+        armed = self.flight.motors.armed
         if lost_s >= STOPPED_AIDING_AFTER_S and self._aiding_told and not armed:
             self._aiding_told = False
-            self._ports.text(WARNING, "EKF3 IMU0 stopped aiding")
-            self._ports.text(WARNING, "EKF3 IMU1 stopped aiding")
+            self.flight.ports.text(WARNING, "EKF3 IMU0 stopped aiding")
+            self.flight.ports.text(WARNING, "EKF3 IMU1 stopped aiding")
         back_s = now - estimator.back_at_s
         if estimator.gps_present and self._variance_told and back_s >= RECOVERED_AFTER_S:
             self._variance_told, self._aiding_told = False, True
             self._ekf = False
             if self._ekf_acted:
                 self._ekf_acted = False
-                self._ports.text(CRITICAL, "EKF Failsafe Cleared")
+                self.flight.ports.text(CRITICAL, "EKF Failsafe Cleared")
 
     def _ekf_lost(self) -> None:
         self._ekf = True
-        flying = self._flight.motors.armed and not self._flight.body.landed
-        if flying and self._modes.current.number in NEEDS_POSITION:
+        flying = self.flight.motors.armed and not self.flight.body.landed
+        if flying and self.modes.current.number in NEEDS_POSITION:
             self._ekf_acted = True
-            self._ports.text(CRITICAL, "EKF Failsafe: changed to LAND Mode")
+            self.flight.ports.text(CRITICAL, "EKF Failsafe: changed to LAND Mode")
             self._go(Mode.LAND)
 
     def _motors_stopped(self) -> None:
         """The primary EKF lane goes back to the first at disarming."""
         if self._lane_switched:
             self._lane_switched = False
-            self._ports.text(WARNING, "EKF primary changed:0")
+            self.flight.ports.text(WARNING, "EKF primary changed:0")
 
     def _watch_fence(self) -> None:
-        params, position = self._flight.params, self._flight.position
-        flying = self._flight.motors.armed and not self._flight.body.landed
+        params, position = self.flight.params, self.flight.position
+        flying = self.flight.motors.armed and not self.flight.body.landed
         if not params["FENCE_ENABLE"] or not flying:
             self.fence_breach = 0
             return
         before = self.fence_breach
-        self.fence_breach = breach(params, self._store, position.from_home_m, position.origin)
+        self.fence_breach = breach(params, self.store, position.from_home_m, position.origin)
         if not self.fence_breach or before:
             return
         self.fence_count += 1
-        self.fence_time_s = self._flight.clock.time_s
-        self._ports.text(NOTICE, "Fence Breached")
+        self.fence_time_s = self.flight.clock.time_s
+        self.flight.ports.text(NOTICE, "Fence Breached")
         action = _FENCE_ACTION.get(int(params["FENCE_ACTION"]))
         if action is not None and not math.isnan(position.from_home_m[0]):
             self._go(action)
 
     def terrain_missing(self) -> None:
         """An item counts from the terrain, and terrain is switched off."""
-        self._ports.text(CRITICAL, "Failsafe: Terrain data missing")
+        self.flight.ports.text(CRITICAL, "Failsafe: Terrain data missing")
         self._go(Mode.RTL)
 
     def _watch_thrust(self) -> None:
-        body, motors = self._flight.body, self._flight.motors
-        body.failed = self._flight.params["SIM_ENGINE_MUL"] < 0.5 and motors.armed
+        body, motors = self.flight.body, self.flight.motors
+        body.failed = self.flight.params["SIM_ENGINE_MUL"] < 0.5 and motors.armed
         if body.failed and not self._thrust_told and motors.failed_for_s > _THRUST_LOSS_AFTER_S:
             self._thrust_told = True
-            self._ports.text(EMERGENCY, "Potential Thrust Loss (1)")
+            self.flight.ports.text(EMERGENCY, "Potential Thrust Loss (1)")

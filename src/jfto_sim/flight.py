@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 from jfto_sim.battery import Battery
 from jfto_sim.clock import Clock
-from jfto_sim.config import VehicleConfig
 from jfto_sim.dialect import INFO
 from jfto_sim.motion.body import Body
 from jfto_sim.motion.heading import Heading
@@ -23,6 +22,7 @@ _LAND_COMPLETE_AFTER_S, _DISARM_AFTER_S = 1.1, 2.1
 _YAW_ALIGNED_ABOVE_M = 1.9
 
 
+@dataclass
 class Motors:
     """Whether the motors run, and since when; `when_stopped` is called each time they stop.
 
@@ -30,17 +30,16 @@ class Motors:
     hesitate for `hesitation_s` longer than they need.
     """
 
-    def __init__(self, clock: Clock, hesitation_s: float) -> None:
-        self.armed = False
-        self.armed_at_s = 0.0
-        self.failed_for_s = 0.0
-        self.when_stopped: list[Callable[[], None]] = []
-        self._clock = clock
-        self._hesitation_s = hesitation_s
+    clock: Clock
+    hesitation_s: float
+    armed: bool = False
+    armed_at_s: float = 0.0
+    failed_for_s: float = 0.0
+    when_stopped: list[Callable[[], None]] = field(default_factory=list)
 
     def start(self) -> None:
         """Let them turn."""
-        self.armed, self.armed_at_s = True, self._clock.time_s
+        self.armed, self.armed_at_s = True, self.clock.time_s
 
     def stop(self) -> None:
         """Stop them and tell whom it concerns."""
@@ -50,9 +49,9 @@ class Motors:
 
     def lift_at_s(self) -> float:
         """When they have the speed to lift the vehicle, if told to now."""
-        now = self._clock.time_s
+        now = self.clock.time_s
         spool_s = max(_SPOOL_UP_S, _SPOOL_AFTER_ARM_S - (now - self.armed_at_s))
-        return now + spool_s + self._hesitation_s
+        return now + spool_s + self.hesitation_s
 
 
 @dataclass
@@ -70,6 +69,7 @@ class Flight:
 
     clock: Clock
     params: Parameters
+    ports: Ports
     body: Body
     heading: Heading
     limits: Limits
@@ -102,43 +102,37 @@ class FlownMode(Protocol):
         """Move the body's target."""
 
 
+@dataclass
 class FlightLoop:
     """Steps mode, heading, body and land detection; `flight_time_s` is the time in the air."""
 
-    def __init__(
-        self,
-        config: VehicleConfig,
-        flight: Flight,
-        battery: Battery,
-        ports: Ports,
-        mode: Callable[[], FlownMode],
-    ) -> None:
-        self.flight_time_s = 0.0
-        self._calm_wind_mps = config.wind_mps
-        self._flight = flight
-        self._battery = battery
-        self._ports = ports
-        self._mode = mode
-        self._yaw_aligned = False
-        flight.motors.when_stopped.append(self._stopped)
+    flight: Flight
+    battery: Battery
+    mode: Callable[[], FlownMode]
+    steady_wind_mps: tuple[float, float]
+    flight_time_s: float = 0.0
+    _yaw_aligned: bool = False
+
+    def __post_init__(self) -> None:
+        self.flight.motors.when_stopped.append(self._stopped)
 
     @property
     def wind_mps(self) -> tuple[float, float]:
-        """Where the air moves to (east, north): the configuration's wind plus SIM_WIND_*."""
-        params = self._flight.params
+        """Where the air moves to (east, north): the steady wind plus SIM_WIND_*."""
+        params = self.flight.params
         speed, coming = params["SIM_WIND_SPD"], math.radians(params["SIM_WIND_DIR"])
-        east, north = self._calm_wind_mps
+        east, north = self.steady_wind_mps
         return east - speed * math.sin(coming), north - speed * math.cos(coming)
 
     def step(self, dt_s: float) -> None:
         """Let the flight go on by `dt_s` seconds."""
-        body, motors, land = self._flight.body, self._flight.motors, self._flight.land
+        body, motors, land = self.flight.body, self.flight.motors, self.flight.land
         armed, was_down = motors.armed, body.landed
-        self._battery.draw(armed=armed, flying=not was_down, dt_s=dt_s)
-        self._flight.position.stir_noise(dt_s)
+        self.battery.draw(armed=armed, flying=not was_down, dt_s=dt_s)
+        self.flight.position.stir_noise(dt_s)
         if armed and not was_down:
             self._fly(0.5 * dt_s)
-        self._mode().step(dt_s)
+        self.mode().step(dt_s)
         if armed and motors.armed and not was_down and not body.landed:
             self._fly(0.5 * dt_s)
         if not motors.armed:
@@ -153,28 +147,28 @@ class FlightLoop:
 
     def _fly(self, dt_s: float) -> None:
         """Heading and body follow the target of the step before, as the autopilot's loops do."""
-        body, target = self._flight.body, self._flight.body.target
-        wanted, rate = self._flight.heading.step(
+        body, target = self.flight.body, self.flight.body.target
+        wanted, rate = self.flight.heading.step(
             (float(target[0, 0]), float(target[0, 1])),
             (float(target[1, 0]), float(target[1, 1])),
             dt_s,
         )
         body.turn(wanted, rate, dt_s)
         body.fly(self.wind_mps, dt_s)
-        self._flight.land.airborne_s = self._flight.clock.time_s
+        self.flight.land.airborne_s = self.flight.clock.time_s
         self.flight_time_s += dt_s
         if not self._yaw_aligned and body.position_m[2] > _YAW_ALIGNED_ABOVE_M:
             self._yaw_aligned = True
             for imu in (0, 1):
-                self._ports.text(INFO, f"EKF3 IMU{imu} MAG0 in-flight yaw alignment complete")
+                self.flight.ports.text(INFO, f"EKF3 IMU{imu} MAG0 in-flight yaw alignment complete")
         if body.landed:
-            self._flight.land.down_since_s = self._flight.clock.time_s
-            self._ports.text(INFO, f"SIM Hit ground at {body.hit_ground_mps:f} m/s")
+            self.flight.land.down_since_s = self.flight.clock.time_s
+            self.flight.ports.text(INFO, f"SIM Hit ground at {body.hit_ground_mps:f} m/s")
 
     def _on_ground(self) -> None:
-        land, motors, mode = self._flight.land, self._flight.motors, self._mode()
-        now = self._flight.clock.time_s
-        if land.down_since_s is not None and not self._flight.body.failed:
+        land, motors, mode = self.flight.land, self.flight.motors, self.mode()
+        now = self.flight.clock.time_s
+        if land.down_since_s is not None and not self.flight.body.failed:
             down_s = now - land.down_since_s
             if down_s >= _LAND_COMPLETE_AFTER_S:
                 land.complete = True
@@ -184,9 +178,9 @@ class FlightLoop:
         if not land.complete or mode.taking_off:
             return
         idle_since = max(motors.armed_at_s, land.airborne_s)
-        delay_s = self._flight.params["DISARM_DELAY"]
+        delay_s = self.flight.params["DISARM_DELAY"]
         if delay_s > 0 and now - idle_since >= delay_s:
             motors.stop()
 
     def _stopped(self) -> None:
-        self._flight.land.complete = self._flight.body.landed = True
+        self.flight.land.complete = self.flight.body.landed = True

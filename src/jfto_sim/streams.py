@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 from jfto_sim.clock import Clock
 from jfto_sim.commands import Command, CommandHandler
@@ -46,13 +47,15 @@ _STREAMS: dict[int, tuple[int, ...]] = {
 _WITH_TERRAIN = (0, 12)
 
 
+@dataclass
 class Streams:
     """Sends telemetry on the ports as often as each was asked to; heartbeats at once a second."""
 
-    def __init__(self, ports: Ports, clock: Clock, telemetry: Telemetry) -> None:
-        self._ports = ports
-        self._clock = clock
-        self._telemetry = telemetry
+    ports: Ports
+    clock: Clock
+    telemetry: Telemetry
+
+    def __post_init__(self) -> None:
         self.messages: dict[str, MessageHandler] = {"REQUEST_DATA_STREAM": self._request_stream}
         self.commands: dict[int, CommandHandler] = {
             mavlink.MAV_CMD_GET_MESSAGE_INTERVAL: self._get_interval,
@@ -60,43 +63,43 @@ class Streams:
             mavlink.MAV_CMD_REQUEST_MESSAGE: self._request_message,
             mavlink.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: self._capabilities,
         }
-        for port in ports:
+        for port in self.ports:
             port.set_interval(mavlink.MAVLINK_MSG_ID_HEARTBEAT, 1.0, _FIRST_HEARTBEAT_S - 1.0)
 
     @property
     def next_s(self) -> float:
         """When a message is due."""
-        return min(port.next_due_s() for port in self._ports)
+        return min(port.next_due_s() for port in self.ports)
 
     def tick(self) -> None:
         """Send what is due."""
-        for port in self._ports:
-            for message_id in port.pop_due(self._clock.time_s):
+        for port in self.ports:
+            for message_id in port.pop_due(self.clock.time_s):
                 self._send(port.index, message_id)
 
     def _send(self, port: int, message_id: int) -> None:
-        self._ports.send(port, getattr(self._telemetry, MESSAGES[message_id])())
+        self.ports.send(port, getattr(self.telemetry, MESSAGES[message_id])())
 
     def _request_stream(self, m: Message, port: int) -> None:
         """Start or stop the messages of a stream on the asking port."""
         rate_hz = m.req_message_rate if m.start_stop == 1 else 0
         period_s = 1.0 / rate_hz if rate_hz > 0 else 0.0
-        now = self._clock.time_s
+        now = self.clock.time_s
         for message_id in _STREAMS.get(m.req_stream_id, ()):
-            self._ports[port].set_interval(message_id, period_s, now)
+            self.ports[port].set_interval(message_id, period_s, now)
         if m.req_stream_id in _WITH_TERRAIN:
             request = mavlink.MAVLINK_MSG_ID_TERRAIN_REQUEST
-            self._ports[port].set_interval(request, _TERRAIN_REQUEST_S if period_s else 0.0, now)
+            self.ports[port].set_interval(request, _TERRAIN_REQUEST_S if period_s else 0.0, now)
 
     def _get_interval(self, c: Command) -> int:
         message_id = c.whole(0)
         known = message_id in MESSAGES
         found = 0
         if known:
-            interval = self._ports[c.port].intervals.get(message_id)
+            interval = self.ports[c.port].intervals.get(message_id)
             found = -1 if interval is None else round(interval.period_s * 1e6)
         answer = mavlink.MAVLink_message_interval_message(message_id & 0xFFFF, found)
-        self._ports.send(c.port, answer)
+        self.ports.send(c.port, answer)
         return ACCEPTED if known else FAILED
 
     def _set_interval(self, c: Command) -> int:
@@ -104,12 +107,12 @@ class Streams:
             return DENIED
         message_id, wanted_us = c.whole(0), c.p[1]
         if message_id not in MESSAGES:
-            self._ports.text(INFO, f"No ap_message for mavlink id ({message_id})", c.port)
+            self.ports.text(INFO, f"No ap_message for mavlink id ({message_id})", c.port)
             return DENIED
         period_s = max(wanted_us, _FASTEST_US) * 1e-6 if wanted_us > 0 else 0.0
         if wanted_us == 0 and message_id == mavlink.MAVLINK_MSG_ID_HEARTBEAT:
             period_s = 1.0
-        self._ports[c.port].set_interval(message_id, period_s, self._clock.time_s)
+        self.ports[c.port].set_interval(message_id, period_s, self.clock.time_s)
         return ACCEPTED
 
     def _request_message(self, c: Command) -> int:
@@ -122,5 +125,5 @@ class Streams:
     def _capabilities(self, c: Command) -> int:
         if c.p[0] != 1:
             return FAILED
-        self._ports.send(c.port, self._telemetry.autopilot_version())
+        self.ports.send(c.port, self.telemetry.autopilot_version())
         return ACCEPTED

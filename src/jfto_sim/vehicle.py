@@ -32,8 +32,7 @@ from jfto_sim.modes.simple import Brake, Land, Loiter, Manual, Rtl
 from jfto_sim.motion.body import Body
 from jfto_sim.motion.heading import Heading
 from jfto_sim.motion.limits import Limits
-from jfto_sim.parameter_protocol import ParameterProtocol
-from jfto_sim.parameters import Parameters
+from jfto_sim.parameters import ParameterProtocol, Parameters
 from jfto_sim.ports import Frame, MessageHandler, Port, Ports
 from jfto_sim.position import Position
 from jfto_sim.signing import SigningKey
@@ -99,18 +98,6 @@ class Vehicle:
         self.battery = Battery(self.params)
         self.estimator = Estimator(self.params, self.clock)
         self.flight = self._make_flight()
-        self.loop = FlightLoop(
-            self.config, self.flight, self.battery, self.ports, lambda: self.modes.current
-        )
-        self.arming = Arming(
-            self.flight,
-            self.battery,
-            self.estimator,
-            self.store,
-            self.ports,
-            self.parameters.tell,
-            lambda: self.modes.current.number,
-        )
         self._make_modes()
         self._make_conversations()
 
@@ -122,6 +109,7 @@ class Vehicle:
         return Flight(
             clock=self.clock,
             params=self.params,
+            ports=self.ports,
             body=self.body,
             heading=Heading(before.yaw_deg),
             limits=Limits(self.params, self.body),
@@ -131,48 +119,42 @@ class Vehicle:
         )
 
     def _make_modes(self) -> None:
-        """Flight modes, and what switches between them."""
-        flight = self.flight
-        self.camera = Camera(flight, self.ports)
-        self.auto = Auto(flight, self.store, self.camera, self.ports, self._terrain_missing)
-        self.guided = Guided(flight)
-        land = Land(flight)
-        self.modes = Modes(
-            (
-                Manual(flight, Mode.STABILIZE), Manual(flight, Mode.ALT_HOLD), self.auto,
-                self.guided, Loiter(flight), Rtl(flight), land, Brake(flight),
-            ),
-            flight, self.estimator, self.ports, self._tell_mode,
+        """Flight modes, what steps them and what changes them."""
+        flight, battery, estimator = self.flight, self.battery, self.estimator
+        self.loop = FlightLoop(flight, battery, lambda: self.modes.current, self.config.wind_mps)
+        self.arming = Arming(
+            flight, battery, estimator, self.store, self.parameters.tell,
+            lambda: self.modes.current.number,
         )  # fmt: skip
-        self.failsafes = Failsafes(
-            flight, self.battery, self.estimator, self.store, self.ports, self.modes, land
-        )
+        self.camera = Camera(flight)
+        self.auto = Auto(flight, self.store, self.camera, self._terrain_missing)
+        self.guided, land = Guided(flight), Land(flight)
+        manual = (Manual(flight, Mode.STABILIZE), Manual(flight, Mode.ALT_HOLD))
+        modes = (*manual, self.auto, self.guided, Loiter(flight), Rtl(flight), land, Brake(flight))
+        self.modes = Modes(modes, flight, estimator, self._tell_mode)
+        self.failsafes = Failsafes(flight, battery, estimator, self.store, self.modes, land)
 
     def _make_conversations(self) -> None:
         """What is said unasked, and who answers which message."""
+        flight, clock, ports = self.flight, self.clock, self.ports
         self.telemetry = Telemetry(
-            self.config, self.flight, self.loop, self.estimator, self.battery, self.modes,
-            self.auto, self.arming, self.failsafes,
+            self.config, flight, self.loop, self.estimator, self.battery, self.modes, self.auto,
+            self.arming, self.failsafes,
         )  # fmt: skip
-        self._streams = Streams(self.ports, self.clock, self.telemetry)
+        self._streams = Streams(ports, clock, self.telemetry)
         self.mission_protocol = MissionProtocol(
-            self.clock, self.store, self.parameters, self.flight.position, self.ports, self.auto
+            clock, ports, self.store, self.parameters, flight.position, self.auto
         )
-        flying = FlightCommands(self.flight, self.modes, self.auto, self.guided, self.ports)
+        flying = FlightCommands(flight, self.modes, self.auto, self.guided)
         boot = Boot(
-            self.clock,
-            self.ports,
-            self.parameters,
-            self.flight.position,
-            boots=self.boots,
-            elevation_m=self.config.home_alt_m,
-            flight_time_s=lambda: self.loop.flight_time_s,
-        )
+            clock, ports, self.parameters, flight.position, self.boots, self.config.home_alt_m,
+            lambda: self.loop.flight_time_s,
+        )  # fmt: skip
         commands = Commands(
-            self.ports,
+            ports,
             self.arming.commands,
             self.camera.commands,
-            self.flight.position.commands,
+            flight.position.commands,
             self._streams.commands,
             flying.commands,
             {mavlink.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN: self._do_reboot},

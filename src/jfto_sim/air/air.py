@@ -13,10 +13,13 @@ from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.radio import Radio
 from jfto_msgs_py.types import Array, Flags
 from jfto_msgs_py.units import db_to_ratio, dbm_to_w, ratio_to_db
-from jfto_sim.air.delivery import delivery_share
-from jfto_sim.air.obstruction import Ground, terrain_loss_db
-from jfto_sim.air.settings import AirSettings
-from jfto_sim.air.shadowing import Shadowing
+from jfto_sim.air.channel import (
+    AirSettings,
+    Ground,
+    Shadowing,
+    delivery_share,
+    terrain_loss_db,
+)
 from jfto_world.radio import make_channel, mutual_links, pairwise_distances, rate_bps
 
 # Below this share of packets a receiver says nothing about the sender.

@@ -10,7 +10,7 @@ from jfto_sim.dialect import DEBUG, INFO, WARNING, Message, mavlink
 from jfto_sim.mission import items as kinds
 from jfto_sim.mission.fence import fence_fault, fence_size
 from jfto_sim.mission.items import CAPACITY, FENCE, MISSION, RALLY, Item, Store
-from jfto_sim.parameter_protocol import ParameterProtocol
+from jfto_sim.parameters import ParameterProtocol
 from jfto_sim.ports import MessageHandler, Ports
 from jfto_sim.position import Position
 
@@ -55,6 +55,7 @@ class Upload:
         return (self.system, self.component) == (m.get_srcSystem(), m.get_srcComponent())
 
 
+@dataclass
 class MissionProtocol:
     """Answers MISSION_* messages; `tick` repeats requests and gives up after 8 seconds.
 
@@ -62,23 +63,16 @@ class MissionProtocol:
     read back.
     """
 
-    def __init__(
-        self,
-        clock: Clock,
-        store: Store,
-        parameters: ParameterProtocol,
-        position: Position,
-        ports: Ports,
-        flyer: MissionFlyer,
-    ) -> None:
-        self.uploads: dict[int, Upload] = {}
-        self._clock = clock
-        self._store = store
-        self._parameters = parameters
-        self._position = position
-        self._ports = ports
-        self._flyer = flyer
-        self._told_of_old_request = False
+    clock: Clock
+    ports: Ports
+    store: Store
+    parameters: ParameterProtocol
+    position: Position
+    flyer: MissionFlyer
+    uploads: dict[int, Upload] = field(default_factory=dict)
+    _told_of_old_request: bool = False
+
+    def __post_init__(self) -> None:
         self.messages: dict[str, MessageHandler] = {
             "MISSION_COUNT": self._count,
             "MISSION_WRITE_PARTIAL_LIST": self._write_partial_list,
@@ -104,9 +98,9 @@ class MissionProtocol:
         self.uploads.pop(kind, None)
         if m.count > CAPACITY[kind]:
             self._ack(m, port, mavlink.MAV_MISSION_NO_SPACE)
-            self._ports.text(WARNING, f"Only {CAPACITY[kind]} items are supported", port)
+            self.ports.text(WARNING, f"Only {CAPACITY[kind]} items are supported", port)
             return
-        if kind == MISSION and self._store.truncate(m.count):
+        if kind == MISSION and self.store.truncate(m.count):
             self._mission_changed()
         if m.count == 0:
             self._finished(m, port, kind, [])
@@ -119,25 +113,25 @@ class MissionProtocol:
         if m.mission_type in self.uploads:
             self._ack(m, port, mavlink.MAV_MISSION_DENIED)
             return
-        fits = 0 <= m.start_index <= m.end_index < self._store.count(m.mission_type)
+        fits = 0 <= m.start_index <= m.end_index < self.store.count(m.mission_type)
         if m.mission_type != MISSION or not fits:
-            self._ports.text(WARNING, "Flight plan update rejected", port)
+            self.ports.text(WARNING, "Flight plan update rejected", port)
             self._ack(m, port, mavlink.MAV_MISSION_ERROR)
             return
         self._begin(m, port, m.start_index, m.end_index)
 
     def _begin(self, m: Message, port: int, first: int, last: int) -> None:
-        now = self._clock.time_s
+        now = self.clock.time_s
         upload = Upload(port, m.get_srcSystem(), m.get_srcComponent(), first, last, now, now)
         self.uploads[m.mission_type] = upload
         self._ask(m.mission_type, upload)
 
     def _ask(self, kind: int, upload: Upload) -> None:
-        upload.asked_s = self._clock.time_s
+        upload.asked_s = self.clock.time_s
         request = mavlink.MAVLink_mission_request_message(
             upload.system, upload.component, upload.next_seq, kind
         )
-        self._ports.send(upload.port, request)
+        self.ports.send(upload.port, request)
 
     def _item_int(self, m: Message, port: int) -> None:
         kind = m.mission_type
@@ -159,7 +153,7 @@ class MissionProtocol:
             self.uploads.pop(kind, None)
             self._ack(m, port, fault)
             return
-        upload.heard_s = self._clock.time_s
+        upload.heard_s = self.clock.time_s
         if m.seq >= upload.last:
             self._complete(m, port, upload)
             return
@@ -171,7 +165,7 @@ class MissionProtocol:
         if m.mission_type == MISSION and upload and not upload.told_of_float:
             upload.told_of_float = True
             note = "got MISSION_ITEM; GCS should send MISSION_ITEM_INT"
-            self._ports.text(WARNING, note, port)
+            self.ports.text(WARNING, note, port)
         self._item_int(m, port)
 
     def _keep(self, m: Message, upload: Upload) -> int:
@@ -179,14 +173,14 @@ class MissionProtocol:
         item, fault = kinds.parse(m)
         if item is None:
             return fault
-        count = self._store.count(MISSION)
+        count = self.store.count(MISSION)
         if item.command == kinds.JUMP:
             target = item.params[0]
             if target == 0 or target > max(upload.last, count - 1):
                 return mavlink.MAV_MISSION_ERROR
         if m.seq > count:
             return mavlink.MAV_MISSION_ERROR
-        self._store.put(m.seq, item)
+        self.store.put(m.seq, item)
         self._mission_changed()
         return 0
 
@@ -195,31 +189,31 @@ class MissionProtocol:
         fault = fence_fault(upload.gathered) if m.mission_type == FENCE else ""
         if fault:
             self._ack(m, port, mavlink.MAV_MISSION_ERROR)
-            self._ports.text(WARNING, fault)
-            self._ports.text(WARNING, "Fence validation failed")
+            self.ports.text(WARNING, fault)
+            self.ports.text(WARNING, "Fence validation failed")
             return
         self._finished(m, port, m.mission_type, upload.gathered)
 
     def _finished(self, m: Message, port: int, kind: int, items: list[Item]) -> None:
         self._ack(m, port, mavlink.MAV_MISSION_ACCEPTED)
         if kind == MISSION:
-            self._ports.text(INFO, "Flight plan received", port)
+            self.ports.text(INFO, "Flight plan received", port)
         else:
             self._replace(kind, items)
 
     def _replace(self, kind: int, items: list[Item]) -> None:
-        self._store.replace(kind, items)
+        self.store.replace(kind, items)
         if kind == FENCE:
-            self._ports.text(DEBUG, "Fence Indexed OK")
-            self._parameters.tell_stored("FENCE_TOTAL", fence_size(items))
+            self.ports.text(DEBUG, "Fence Indexed OK")
+            self.parameters.tell_stored("FENCE_TOTAL", fence_size(items))
         else:
-            self._parameters.tell_stored("RALLY_TOTAL", len(items))
+            self.parameters.tell_stored("RALLY_TOTAL", len(items))
 
     def _mission_changed(self) -> None:
-        count = float(self._store.count(MISSION))
-        if self._parameters.params["MIS_TOTAL"] != count:
-            self._parameters.tell_stored("MIS_TOTAL", count)
-        self._flyer.mission_edited()
+        count = float(self.store.count(MISSION))
+        if self.parameters.params["MIS_TOTAL"] != count:
+            self.parameters.tell_stored("MIS_TOTAL", count)
+        self.flyer.mission_edited()
 
     @property
     def next_s(self) -> float:
@@ -231,16 +225,16 @@ class MissionProtocol:
 
     def tick(self) -> None:
         """Repeat unanswered requests every second, give up 8 s after the last accepted item."""
-        now = self._clock.time_s
+        now = self.clock.time_s
         for kind, upload in list(self.uploads.items()):
             if now - upload.heard_s >= GIVE_UP_S - 1e-6:
                 del self.uploads[kind]
                 cancelled = mavlink.MAV_MISSION_OPERATION_CANCELLED
                 sender = (upload.system, upload.component)
-                self._ports.send(
+                self.ports.send(
                     upload.port, mavlink.MAVLink_mission_ack_message(*sender, cancelled, kind)
                 )
-                self._ports.text(WARNING, "Mission upload timeout", upload.port)
+                self.ports.text(WARNING, "Mission upload timeout", upload.port)
             elif now - upload.asked_s >= REPEAT_S - 1e-6:
                 self._ask(kind, upload)
 
@@ -248,19 +242,19 @@ class MissionProtocol:
         kind = m.mission_type
         if not self._type_carried(m, port):
             return
-        if kind in self.uploads or (kind == MISSION and self._flyer.on_mission):
+        if kind in self.uploads or (kind == MISSION and self.flyer.on_mission):
             self._ack(m, port, mavlink.MAV_MISSION_ERROR)
             return
         self._ack(m, port, mavlink.MAV_MISSION_ACCEPTED)
         if kind == MISSION:
-            self._store.truncate(0)
+            self.store.truncate(0)
             self._mission_changed()
         else:
             self._replace(kind, [])
 
     def _set_current(self, m: Message, port: int) -> None:
-        if self._flyer.set_current(m.seq):
-            self._flyer.tell_current(port)
+        if self.flyer.set_current(m.seq):
+            self.flyer.tell_current(port)
 
     # --- reading back ---
 
@@ -269,11 +263,9 @@ class MissionProtocol:
             self._send_count(m, port)
 
     def _send_count(self, m: Message, port: int) -> None:
-        count = self._store.count(m.mission_type)
+        count = self.store.count(m.mission_type)
         reader = (m.get_srcSystem(), m.get_srcComponent())
-        self._ports.send(
-            port, mavlink.MAVLink_mission_count_message(*reader, count, m.mission_type)
-        )
+        self.ports.send(port, mavlink.MAVLink_mission_count_message(*reader, count, m.mission_type))
 
     def _request_int(self, m: Message, port: int) -> None:
         item = self._wanted(m, port)
@@ -287,7 +279,7 @@ class MissionProtocol:
         if not self._told_of_old_request:
             self._told_of_old_request = True
             note = "got MISSION_REQUEST; use MISSION_REQUEST_INT!"
-            self._ports.text(WARNING, note, port)
+            self.ports.text(WARNING, note, port)
         self._send_item(mavlink.MAVLink_mission_item_message, m, port, item, 1e-7)
 
     def _send_item(self, form: type, m: Message, port: int, item: Item, scale: float) -> None:
@@ -296,19 +288,19 @@ class MissionProtocol:
             0, 1 if m.mission_type == MISSION else 0, *item.params,
             item.x * scale, item.y * scale, item.z_m, m.mission_type,
         )  # fmt: skip
-        self._ports.send(port, answer)
+        self.ports.send(port, answer)
 
     def _wanted(self, m: Message, port: int) -> Item | None:
         kind = m.mission_type
         if not self._readable(m, port):
             return None
         if kind == MISSION and m.seq == 0:
-            return kinds.with_home(self._position.home_item())
-        if m.seq >= self._store.count(kind):
+            return kinds.with_home(self.position.home_item())
+        if m.seq >= self.store.count(kind):
             self._send_count(m, port)
             self._ack(m, port, mavlink.MAV_MISSION_ERROR)
             return None
-        return self._store.lists[kind][m.seq]
+        return self.store.lists[kind][m.seq]
 
     def _readable(self, m: Message, port: int) -> bool:
         if not self._type_carried(m, port):
@@ -322,15 +314,15 @@ class MissionProtocol:
         if m.mission_type not in (MISSION, FENCE, RALLY):
             self._ack(m, port, mavlink.MAV_MISSION_UNSUPPORTED)
             return False
-        if m.mission_type != MISSION and self._ports[port].mavlink1:
-            self._ports.text(WARNING, "Need mavlink2 for item transfer", port)
+        if m.mission_type != MISSION and self.ports[port].mavlink1:
+            self.ports.text(WARNING, "Need mavlink2 for item transfer", port)
             self._ack(m, port, mavlink.MAV_MISSION_UNSUPPORTED)
             return False
         return True
 
     def _ack(self, m: Message, port: int, result: int) -> None:
         sender = (m.get_srcSystem(), m.get_srcComponent())
-        self._ports.send(port, mavlink.MAVLink_mission_ack_message(*sender, result, m.mission_type))
+        self.ports.send(port, mavlink.MAVLink_mission_ack_message(*sender, result, m.mission_type))
 
 
 def _gather(m: Message, upload: Upload) -> int:

@@ -10,10 +10,8 @@ from jfto_sim.flight import Flight
 from jfto_sim.mission import items as kinds
 from jfto_sim.mission.items import MISSION, Item, Store
 from jfto_sim.mission.runner import MissionRunner, RunState
-from jfto_sim.modes.do_items import DoItems
+from jfto_sim.modes.auto_items import TAKEOFFS, DoItems, NavItems, Phase
 from jfto_sim.modes.mode import FlightMode, Mode
-from jfto_sim.modes.nav_items import TAKEOFFS, NavItems, Phase
-from jfto_sim.ports import Ports
 
 
 class Auto(FlightMode):
@@ -29,7 +27,6 @@ class Auto(FlightMode):
         flight: Flight,
         store: Store,
         camera: Camera,
-        ports: Ports,
         terrain_missing: Callable[[], None],
     ) -> None:
         super().__init__(flight)
@@ -37,7 +34,6 @@ class Auto(FlightMode):
         self.flown = NavItems(flight, self.runner.next_nav_after, self.say, terrain_missing)
         self.do = DoItems(flight, camera, self.flown.nav, self.flown.change_speed)
         self._store = store
-        self._ports = ports
         self._may_lift = False
         self._waiting = False
         flight.motors.when_stopped.append(self._motors_stopped)
@@ -50,7 +46,7 @@ class Auto(FlightMode):
             if self._store.count(MISSION) <= 1:
                 return False
             if self.flight.body.landed and not self._starts_with_takeoff():
-                self._ports.text(CRITICAL, "Auto: Missing Takeoff Cmd")
+                self.flight.ports.text(CRITICAL, "Auto: Missing Takeoff Cmd")
                 return False
         self._waiting = True
         self.flown.speed_mps = None
@@ -126,7 +122,7 @@ class Auto(FlightMode):
         if self._waiting or self.runner.state is not RunState.RUNNING or not self.runner.nav_loaded:
             return
         if self.runner.restart_nav():
-            self._ports.text(CRITICAL, "Auto mission changed, restarted command")
+            self.flight.ports.text(CRITICAL, "Auto mission changed, restarted command")
 
     def set_current(self, seq: int) -> bool:
         """Make an item the current one; false if there is no such item."""
@@ -149,17 +145,17 @@ class Auto(FlightMode):
 
     def tell_current(self, port: int) -> None:
         """Send MISSION_CURRENT."""
-        self._ports.send(port, self.current_message())
+        self.flight.ports.send(port, self.current_message())
 
     # --- for the mission runner ---
 
     def say(self, text: str) -> None:
         """Tell the stations."""
-        self._ports.text(INFO, text)
+        self.flight.ports.text(INFO, text)
 
     def reached(self, seq: int) -> None:
         """MISSION_ITEM_REACHED, once, to every port."""
-        self._ports.broadcast(mavlink.MAVLink_mission_item_reached_message(seq))
+        self.flight.ports.broadcast(mavlink.MAVLink_mission_item_reached_message(seq))
 
     def reports(self, item: Item) -> bool:
         """The mission library's own items are not reported."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 from jfto_sim.commands import Command, CommandHandler
 from jfto_sim.dialect import ACCEPTED, DENIED, FAILED, Message, mavlink
@@ -11,24 +12,23 @@ from jfto_sim.mission.items import LOCATION_ALT_MAX_M
 from jfto_sim.modes.auto import Auto
 from jfto_sim.modes.guided import Guided
 from jfto_sim.modes.mode import Mode, Modes
-from jfto_sim.ports import MessageHandler, Ports
+from jfto_sim.ports import MessageHandler
 
 _SET_MODE_COMMAND = 11
 _CUSTOM_MODE = 1
 _SPEED_MAX_MPS = 1000.0
 
 
+@dataclass
 class FlightCommands:
     """Handlers for the table of commands, and for the SET_MODE message."""
 
-    def __init__(
-        self, flight: Flight, modes: Modes, auto: Auto, guided: Guided, ports: Ports
-    ) -> None:
-        self._flight = flight
-        self._modes = modes
-        self._auto = auto
-        self._guided = guided
-        self._ports = ports
+    flight: Flight
+    modes: Modes
+    auto: Auto
+    guided: Guided
+
+    def __post_init__(self) -> None:
         self.commands: dict[int, CommandHandler] = {
             mavlink.MAV_CMD_NAV_LOITER_UNLIM: lambda _: self._set_mode(Mode.LOITER),
             mavlink.MAV_CMD_NAV_RETURN_TO_LAUNCH: lambda _: self._set_mode(Mode.RTL),
@@ -49,76 +49,76 @@ class FlightCommands:
 
     def _set_mode_message(self, m: Message, port: int) -> None:
         """The SET_MODE message is answered like command 11."""
-        self._ports.acknowledge(
+        self.flight.ports.acknowledge(
             m, port, _SET_MODE_COMMAND, lambda: self._set_mode(m.custom_mode, m.base_mode)
         )
 
     def _set_mode(self, number: int, base: int = _CUSTOM_MODE) -> int:
         if not base & _CUSTOM_MODE:
             return DENIED
-        return ACCEPTED if self._modes.set(number) else FAILED
+        return ACCEPTED if self.modes.set(number) else FAILED
 
     def _takeoff(self, c: Command) -> int:
-        flight = self._flight
-        ready = flight.motors.armed and flight.body.landed and self._guided.active
+        flight = self.flight
+        ready = flight.motors.armed and flight.body.landed and self.guided.active
         if not ready or not 0 < c.z < LOCATION_ALT_MAX_M:
             return FAILED
-        self._guided.begin_takeoff(flight.position.home_m[2] + c.z)
+        self.guided.begin_takeoff(flight.position.home_m[2] + c.z)
         return ACCEPTED
 
     def _mission_start(self, _c: Command) -> int:
-        if not self._modes.set(Mode.AUTO):
+        if not self.modes.set(Mode.AUTO):
             return FAILED
-        self._auto.mission_start()
+        self.auto.mission_start()
         return ACCEPTED
 
     def _pause_continue(self, c: Command) -> int:
         if c.p[0] not in (0.0, 1.0):
             return DENIED
-        if not self._auto.active:
+        if not self.auto.active:
             return FAILED
-        self._auto.flown.nav.paused = c.p[0] == 0.0
+        self.auto.flown.nav.paused = c.p[0] == 0.0
         return ACCEPTED
 
     def _change_speed(self, c: Command) -> int:
         if not 0 < c.p[1] < _SPEED_MAX_MPS:
             return FAILED
-        if self._auto.active:
-            self._auto.flown.change_speed(c.p[1], c.whole(0))
+        if self.auto.active:
+            self.auto.flown.change_speed(c.p[1], c.whole(0))
         else:
-            self._flight.limits.speed_mps = c.p[1]
+            self.flight.limits.speed_mps = c.p[1]
         return ACCEPTED
 
     def _condition_yaw(self, c: Command) -> int:
         if not all(math.isfinite(p) for p in c.p) or not 0 <= c.p[0] <= 360:
             return FAILED
-        self._flight.heading.turn_to(c.p[0], c.p[1], int(c.p[2]), relative=bool(c.p[3]))
+        self.flight.heading.turn_to(c.p[0], c.p[1], int(c.p[2]), relative=bool(c.p[3]))
         return ACCEPTED
 
     def _reposition(self, c: Command) -> int:
-        if not self._guided.active:
+        if not self.guided.active:
             if not c.whole(1) & 1:
                 return DENIED
-            if not self._modes.set(Mode.GUIDED):
+            if not self.modes.set(Mode.GUIDED):
                 return FAILED
-        position = self._flight.position
+        position = self.flight.position
         height = position.height_of(c.z, c.frame)
         if height is None or not (c.x or c.y):
             return DENIED
-        self._guided.aim((*position.local_m(c.x, c.y), height), None, None)
+        self.guided.aim((*position.local_m(c.x, c.y), height), None, None)
         return ACCEPTED
 
     def _look_at(self, c: Command) -> int:
-        self._auto.do.look_at(c.x, c.y)
+        self.auto.do.look_at(c.x, c.y)
         return ACCEPTED
 
     def _look_nowhere(self, _c: Command) -> int:
-        self._auto.do.look_ahead()
+        self.auto.do.look_ahead()
         return ACCEPTED
 
     def _set_mission_current(self, c: Command) -> int:
         seq = c.p[0]
-        if not (math.isfinite(seq) and seq >= 0) or not self._auto.set_current(int(seq)):
+        if not (math.isfinite(seq) and seq >= 0) or not self.auto.set_current(int(seq)):
             return DENIED
-        self._auto.tell_current(c.port)
+        self.auto.tell_current(c.port)
         return ACCEPTED

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import InitVar, dataclass
 from enum import IntEnum
 
 from jfto_sim.dialect import WARNING
 from jfto_sim.estimator import Estimator
 from jfto_sim.flight import Flight
-from jfto_sim.ports import Ports
 
 
 class Mode(IntEnum):
@@ -63,22 +63,17 @@ class FlightMode:
         return 0.0, 0.0
 
 
+@dataclass
 class Modes:
     """The flight mode in force; `announce` is called when it has changed."""
 
-    def __init__(
-        self,
-        modes: Iterable[FlightMode],
-        flight: Flight,
-        estimator: Estimator,
-        ports: Ports,
-        announce: Callable[[], None],
-    ) -> None:
+    modes: InitVar[Iterable[FlightMode]]
+    flight: Flight
+    estimator: Estimator
+    announce: Callable[[], None]
+
+    def __post_init__(self, modes: Iterable[FlightMode]) -> None:
         self._table = {int(mode.number): mode for mode in modes}
-        self._flight = flight
-        self._estimator = estimator
-        self._ports = ports
-        self._announce = announce
         self.current = self._table[Mode.STABILIZE]
         self.current.active = True
 
@@ -88,19 +83,19 @@ class Modes:
             return True
         mode = self._table.get(number)
         if mode is None:
-            self._ports.text(WARNING, f"No such mode {number}")
+            self.flight.ports.text(WARNING, f"No such mode {number}")
             return False
         if not self._may_enter(mode.number) or not mode.enter():
             name = mode.number.name
-            self._ports.text(WARNING, f"Mode change to {name} failed: init failed")
+            self.flight.ports.text(WARNING, f"Mode change to {name} failed: init failed")
             return False
         self.current.leave()
         self.current.active, mode.active = False, True
         self.current = mode
-        self._announce()
+        self.announce()
         return True
 
     def _may_enter(self, mode: Mode) -> bool:
         """Once armed, some modes need a position."""
-        armed = self._flight.motors.armed
-        return not armed or mode not in NEEDS_POSITION or self._estimator.position_ok
+        armed = self.flight.motors.armed
+        return not armed or mode not in NEEDS_POSITION or self.estimator.position_ok

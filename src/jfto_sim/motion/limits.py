@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from jfto_sim.motion.body import Body
 from jfto_sim.parameters import Parameters
 from jfto_world.motion.arducopter.wpnav import WpNav
@@ -9,16 +11,16 @@ from jfto_world.motion.arducopter.wpnav import WpNav
 _LEAST_SPEED_CMS = 20.0
 
 
+@dataclass
 class Limits:
     """Speeds asked for by a command (`speed_mps`, `climb_mps`, `sink_mps`) replace parameters'."""
 
-    def __init__(self, params: Parameters, body: Body) -> None:
-        self.speed_mps: float | None = None
-        self.climb_mps: float | None = None
-        self.sink_mps: float | None = None
-        self._params = params
-        self._body = body
-        self._wpnav: WpNav | None = None
+    params: Parameters
+    body: Body
+    speed_mps: float | None = None
+    climb_mps: float | None = None
+    sink_mps: float | None = None
+    _wpnav: WpNav | None = None
 
     @property
     def wpnav(self) -> WpNav:
@@ -29,7 +31,7 @@ class Limits:
 
     def at(self, speed_cms: float) -> WpNav:
         """The same with another horizontal speed; 0 means WPNAV_SPEED."""
-        p = self._params
+        p = self.params
         if speed_cms <= 0 and self.speed_mps is not None:
             speed_cms = 100.0 * self.speed_mps
         speed = max(speed_cms if speed_cms > 0 else p["WPNAV_SPEED"], _LEAST_SPEED_CMS)
@@ -51,14 +53,14 @@ class Limits:
     def reread(self) -> None:
         """A parameter has changed."""
         self._wpnav = None
-        self._body.configure(self.wpnav)
+        self.body.configure(self.wpnav)
 
     @property
     def jerk_xy_mps3(self) -> float:
         """PSC_JERK_XY."""
-        return max(self._params["PSC_JERK_XY"], 0.5)
+        return max(self.params["PSC_JERK_XY"], 0.5)
 
     @property
     def jerk_z_mps3(self) -> float:
         """PSC_JERK_Z."""
-        return max(self._params["PSC_JERK_Z"], 0.5)
+        return max(self.params["PSC_JERK_Z"], 0.5)

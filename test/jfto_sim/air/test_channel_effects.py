@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from jfto_sim.air.delivery import delivery_share
-from jfto_sim.air.obstruction import knife_edge_loss_db, terrain_loss_db
-from jfto_sim.air.slow_error import SlowError
+from jfto_sim.air.channel import delivery_share, knife_edge_loss_db, terrain_loss_db
+from support.slow_error import SlowError
 
 
 def test_knife_edge_has_the_figures_of_the_recommendation():

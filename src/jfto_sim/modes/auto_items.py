@@ -1,10 +1,12 @@
-"""Navigation items of a mission: takeoff, waypoints, delays, landing, return home."""
+"""Items of a mission in flight: those that are flown, and those that are done meanwhile."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from enum import Enum
 
+from jfto_sim.camera import Camera
 from jfto_sim.flight import Flight
 from jfto_sim.mission import items as kinds
 from jfto_sim.mission.items import Item
@@ -197,3 +199,68 @@ class NavItems:
             east, north = self._flight.position.local_m(item.x, item.y)
         height = default[2] if item.z_m == 0 and not (item.x or item.y) else self._height(item)
         return east, north, height
+
+
+@dataclass
+class DoItems:
+    """DO and CONDITION items: speed, camera, region of interest, yaw, waits.
+
+    `nav` flies the leg to the next waypoint; `change_speed` takes a speed in m/s and its kind.
+    `watching` means that the nose follows a place.
+    """
+
+    flight: Flight
+    camera: Camera
+    nav: WaypointNav
+    change_speed: Callable[[float, int], None]
+    watching: bool = False
+    _begun_s: float = 0.0
+
+    def start(self, item: Item) -> None:
+        """Carry out, or begin to."""
+        flight, command, p = self.flight, item.command, item.params
+        self._begun_s = flight.clock.time_s
+        if command == kinds.CHANGE_SPEED and p[1] > 0:
+            self.change_speed(p[1], int(p[0]))
+        elif command == kinds.CONDITION_YAW:
+            flight.heading.turn_to(p[0], p[1], int(p[2]), relative=bool(p[3]))
+        elif command == kinds.SET_ROI:
+            if not item.x and not item.y:
+                self.look_ahead()
+            elif not flight.params["MNT1_TYPE"]:
+                self.look_at(item.x, item.y)
+        elif (command == kinds.DIGICAM and item.x == 1) or (
+            command == kinds.IMAGE_START and p[2] >= 0
+        ):
+            self.camera.shoot()
+        elif command == kinds.CAM_TRIGG_DIST:
+            self.camera.every(p[0], at_once=bool(p[2]))
+        elif command == kinds.SET_HOME:
+            flight.position.set_home(item.x, item.y, item.z_m)
+        elif command == kinds.FENCE_ENABLE:
+            flight.params.store("FENCE_ENABLE", p[0])
+
+    def look_at(self, lat: int, lon: int) -> None:
+        """Point the nose at a place (1e-7 degree) from now on."""
+        self.watching = True
+        self.flight.heading.look_at(*self.flight.position.local_m(lat, lon))
+
+    def look_ahead(self) -> None:
+        """Point the nose along the track again."""
+        self.watching = False
+        self.flight.heading.follow_track()
+
+    def done(self, item: Item) -> bool:
+        """Whether the next DO item may run."""
+        command, p = item.command, item.params
+        if command == kinds.CONDITION_YAW:
+            return self.flight.heading.reached(self.flight.body.yaw_deg)
+        if command == kinds.CONDITION_DELAY:
+            return self.flight.clock.time_s - self._begun_s >= p[0]
+        if command == kinds.CONDITION_DISTANCE:
+            return self.nav.distance_m <= p[0]
+        return True
+
+    def step(self) -> None:
+        """Distance-triggered pictures."""
+        self.camera.step()
