@@ -12,7 +12,7 @@ from jfto_sim.estimator import Estimator
 from jfto_sim.flight import Flight
 from jfto_sim.mission import items as kinds
 from jfto_sim.mission.items import Store
-from jfto_sim.modes.mode import ARMABLE, NEEDS_POSITION, Mode
+from jfto_sim.modes.mode import ARMABLE, NEEDS_POSITION, Mode, Modes
 
 FORCE = 21196
 _CHECK_PERIOD_S, _FIRST_CHECK_S = 1.0, 0.281
@@ -24,15 +24,15 @@ _ARMS_FROM_S = 2.0
 class Arming:
     """Pre-arm checks once a second, arming and disarming.
 
-    `announce` tells the stations a parameter's value, `mode` is the flight mode in force.
+    `announce` tells the stations a parameter's value.
     """
 
     flight: Flight
     battery: Battery
     estimator: Estimator
     store: Store
+    modes: Modes
     announce: Callable[[str], None]
-    mode: Callable[[], Mode]
     passing: bool = False
     next_s: float = _FIRST_CHECK_S
     _shown_s: float = 0.0
@@ -80,7 +80,7 @@ class Arming:
         if any(self.flight.params[f"SIM_MAG{n}_FAIL"] for n in (1, 2, 3)):
             found.append("Compass not healthy")
         found += self._battery_faults()
-        if self.mode() in NEEDS_POSITION:
+        if self.modes.current.number in NEEDS_POSITION:
             if not self.estimator.gps_present:
                 found.append("GPS 1: Bad fix")
             elif not self.estimator.position_ok:
@@ -101,7 +101,7 @@ class Arming:
         wanted = int(self.flight.params["ARMING_MIS_ITEMS"])
         if wanted & 8 and not any(i.command == kinds.TAKEOFF for i in mission[1:]):
             found.append("Missing mission item: takeoff")
-        if self.mode() is Mode.AUTO and len(mission) <= 1:
+        if self.modes.current.number is Mode.AUTO and len(mission) <= 1:
             found.append("Mode requires mission")
         if any(i.frame == kinds.TERRAIN for i in mission):
             found.append("waiting for terrain data")
@@ -119,8 +119,8 @@ class Arming:
         if motors.armed:
             return ACCEPTED
         faults = [] if force else self.faults()
-        if not faults and self.mode() not in ARMABLE:
-            faults = [f"{self.mode().name} mode not armable"]
+        if not faults and self.modes.current.number not in ARMABLE:
+            faults = [f"{self.modes.current.number.name} mode not armable"]
         if faults or self.flight.clock.time_s < _ARMS_FROM_S:
             self._show("Arm", faults)
             return FAILED

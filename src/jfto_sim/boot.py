@@ -5,11 +5,11 @@ Most of it goes only to ports on which something has been heard; origin and home
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from jfto_sim.clock import Clock
 from jfto_sim.dialect import INFO
+from jfto_sim.flight_loop import FlightLoop
 from jfto_sim.parameters import ParameterProtocol
 from jfto_sim.ports import Ports
 from jfto_sim.position import Position
@@ -67,8 +67,7 @@ _STAT_FIRST_S, _STAT_EVERY_S = 30.281, 31.007
 class Boot:
     """Plays the power-up list once the vehicle's clock passes each entry; then the statistics.
 
-    `boots` counts the power-ups up to this one, `elevation_m` is the height above sea level, and
-    `flight_time_s` tells the seconds in the air since power-up.
+    `boots` counts the power-ups up to this one, `elevation_m` is the height above sea level.
     """
 
     clock: Clock
@@ -77,7 +76,7 @@ class Boot:
     position: Position
     boots: int
     elevation_m: float
-    flight_time_s: Callable[[], float]
+    loop: FlightLoop
     _at: int = 0
     _stat_s: float = _STAT_FIRST_S
     _told_flight_s: int = 0
@@ -118,7 +117,7 @@ class Boot:
             self._statistics(now)
 
     def _statistics(self, now: float) -> None:
-        flown_s = int(self.flight_time_s())
+        flown_s = int(self.loop.flight_time_s)
         if flown_s != self._told_flight_s:
             gained, self._told_flight_s = flown_s - self._told_flight_s, flown_s
             total = self.parameters.params["STAT_FLTTIME"] + gained

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from pymavlink.dialects.v10 import ardupilotmega as mavlink1
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 Message = Any  # pymavlink's messages carry their fields as attributes and have no common types
@@ -17,20 +16,3 @@ FAILED = mavlink.MAV_RESULT_FAILED
 EMERGENCY, CRITICAL, WARNING, NOTICE, INFO, DEBUG = 0, 2, 4, 5, 6, 7
 
 TEXT_LENGTH = 50
-
-__all__ = [
-    "ACCEPTED",
-    "CRITICAL",
-    "DEBUG",
-    "DENIED",
-    "EMERGENCY",
-    "FAILED",
-    "INFO",
-    "NOTICE",
-    "TEXT_LENGTH",
-    "UNSUPPORTED",
-    "WARNING",
-    "Message",
-    "mavlink",
-    "mavlink1",
-]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import socket
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 from jfto_msgs_py.errors import InputError, JftoError
 from jfto_sim.faults import LinkFaults, LossyPipe
@@ -13,29 +12,6 @@ from jfto_sim.vehicle import Vehicle
 
 _CHUNK = 4096
 _BACKLOG_MAX = 1 << 20
-
-
-class Endpoint(Protocol):
-    """A non-blocking byte transport that never raises because of its peer."""
-
-    def sockets(self) -> list[socket.socket]:
-        """What to wait on."""
-
-    def receive(self) -> list[bytes]:
-        """Chunks that have arrived."""
-
-    def send(self, frame: bytes) -> None:
-        """Send one frame, or drop it where nobody listens."""
-
-    def drop(self) -> None:
-        """End a connection, as a restart does."""
-
-    def close(self) -> None:
-        """Give the sockets back."""
-
-    @property
-    def address(self) -> tuple[str, int]:
-        """Host and port."""
 
 
 def _bound(kind: socket.SocketKind, host: str, port: int) -> socket.socket:
@@ -189,6 +165,10 @@ class TcpEndpoint:
         """Local host and port."""
         host, port = self._server.getsockname()
         return host, port
+
+
+# A non-blocking byte transport that never raises because of its peer.
+Endpoint = UdpEndpoint | TcpEndpoint
 
 
 @dataclass(frozen=True)

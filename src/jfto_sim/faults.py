@@ -34,14 +34,6 @@ class LinkFaults:
             if not getattr(self, name) >= 0.0:
                 raise InputError(f"link {name} is {getattr(self, name)}, must not be negative.")
 
-    @property
-    def clean(self) -> bool:
-        """Whether frames pass untouched."""
-        return not (
-            self.cut or self.loss or self.delay_s or self.jitter_s
-            or self.duplication or self.reordering
-        )  # fmt: skip
-
 
 class LossyPipe:
     """One direction of a link. Frames go in with the time, and come out when they are due."""

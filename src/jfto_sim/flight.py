@@ -1,15 +1,11 @@
-"""What flies: the parts between a flight mode and the body, and the step that moves them."""
+"""What flies: the parts between a flight mode and the body."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Protocol
 
-from jfto_sim.battery import Battery
 from jfto_sim.clock import Clock
-from jfto_sim.dialect import INFO
 from jfto_sim.motion.body import Body
 from jfto_sim.motion.heading import Heading
 from jfto_sim.motion.limits import Limits
@@ -18,8 +14,6 @@ from jfto_sim.ports import Ports
 from jfto_sim.position import Position
 
 _SPOOL_UP_S, _SPOOL_AFTER_ARM_S = 0.9, 3.15
-_LAND_COMPLETE_AFTER_S, _DISARM_AFTER_S = 1.1, 2.1
-_YAW_ALIGNED_ABOVE_M = 1.9
 
 
 @dataclass
@@ -81,106 +75,3 @@ class Flight:
     def down_and_still(self) -> bool:
         """Whether a landing is over."""
         return self.body.landed and self.land.complete
-
-    def hold_heading(self) -> None:
-        """Keep the heading that is demanded now."""
-        self.heading.hold(self.heading.demand_deg)
-
-
-class FlownMode(Protocol):
-    """A flight mode as the step of the flight sees it."""
-
-    @property
-    def landing(self) -> bool:
-        """Whether the mode brings the vehicle down."""
-
-    @property
-    def taking_off(self) -> bool:
-        """Whether the mode lifts the vehicle off the ground."""
-
-    def step(self, dt_s: float) -> None:
-        """Move the body's target."""
-
-
-@dataclass
-class FlightLoop:
-    """Steps mode, heading, body and land detection; `flight_time_s` is the time in the air."""
-
-    flight: Flight
-    battery: Battery
-    mode: Callable[[], FlownMode]
-    steady_wind_mps: tuple[float, float]
-    flight_time_s: float = 0.0
-    _yaw_aligned: bool = False
-
-    def __post_init__(self) -> None:
-        self.flight.motors.when_stopped.append(self._stopped)
-
-    @property
-    def wind_mps(self) -> tuple[float, float]:
-        """Where the air moves to (east, north): the steady wind plus SIM_WIND_*."""
-        params = self.flight.params
-        speed, coming = params["SIM_WIND_SPD"], math.radians(params["SIM_WIND_DIR"])
-        east, north = self.steady_wind_mps
-        return east - speed * math.sin(coming), north - speed * math.cos(coming)
-
-    def step(self, dt_s: float) -> None:
-        """Let the flight go on by `dt_s` seconds."""
-        body, motors, land = self.flight.body, self.flight.motors, self.flight.land
-        armed, was_down = motors.armed, body.landed
-        self.battery.draw(armed=armed, flying=not was_down, dt_s=dt_s)
-        self.flight.position.stir_noise(dt_s)
-        if armed and not was_down:
-            self._fly(0.5 * dt_s)
-        self.mode().step(dt_s)
-        if armed and motors.armed and not was_down and not body.landed:
-            self._fly(0.5 * dt_s)
-        if not motors.armed:
-            return
-        if body.failed:
-            motors.failed_for_s += dt_s
-        if body.landed:
-            self._on_ground()
-        elif was_down:
-            land.complete, land.down_since_s = False, None
-            self._yaw_aligned = False
-
-    def _fly(self, dt_s: float) -> None:
-        """Heading and body follow the target of the step before, as the autopilot's loops do."""
-        body, target = self.flight.body, self.flight.body.target
-        wanted, rate = self.flight.heading.step(
-            (float(target[0, 0]), float(target[0, 1])),
-            (float(target[1, 0]), float(target[1, 1])),
-            dt_s,
-        )
-        body.turn(wanted, rate, dt_s)
-        body.fly(self.wind_mps, dt_s)
-        self.flight.land.airborne_s = self.flight.clock.time_s
-        self.flight_time_s += dt_s
-        if not self._yaw_aligned and body.position_m[2] > _YAW_ALIGNED_ABOVE_M:
-            self._yaw_aligned = True
-            for imu in (0, 1):
-                self.flight.ports.text(INFO, f"EKF3 IMU{imu} MAG0 in-flight yaw alignment complete")
-        if body.landed:
-            self.flight.land.down_since_s = self.flight.clock.time_s
-            self.flight.ports.text(INFO, f"SIM Hit ground at {body.hit_ground_mps:f} m/s")
-
-    def _on_ground(self) -> None:
-        land, motors, mode = self.flight.land, self.flight.motors, self.mode()
-        now = self.flight.clock.time_s
-        if land.down_since_s is not None and not self.flight.body.failed:
-            down_s = now - land.down_since_s
-            if down_s >= _LAND_COMPLETE_AFTER_S:
-                land.complete = True
-            if down_s >= _DISARM_AFTER_S and mode.landing:
-                motors.stop()
-                return
-        if not land.complete or mode.taking_off:
-            return
-        idle_since = max(motors.armed_at_s, land.airborne_s)
-        delay_s = self.flight.params["DISARM_DELAY"]
-        if delay_s > 0 and now - idle_since >= delay_s:
-            motors.stop()
-
-    def _stopped(self) -> None:
-        self.flight.land.complete = self.flight.body.landed = True

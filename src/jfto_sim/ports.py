@@ -6,8 +6,10 @@ import heapq
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
+from pymavlink.dialects.v10 import ardupilotmega as mavlink1
+
 from jfto_sim.clock import Clock
-from jfto_sim.dialect import TEXT_LENGTH, Message, mavlink, mavlink1
+from jfto_sim.dialect import TEXT_LENGTH, Message, mavlink
 from jfto_sim.signing import SigningCheck, SigningKey
 
 # A port's number and the bytes that leave through it.

@@ -14,7 +14,8 @@ from jfto_sim.config import VehicleConfig
 from jfto_sim.dialect import Message, mavlink
 from jfto_sim.estimator import Estimator
 from jfto_sim.failsafe import Failsafes
-from jfto_sim.flight import Flight, FlightLoop
+from jfto_sim.flight import Flight
+from jfto_sim.flight_loop import FlightLoop
 from jfto_sim.modes.auto import Auto
 from jfto_sim.modes.mode import NEEDS_POSITION, Mode, Modes
 

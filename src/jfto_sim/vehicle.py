@@ -21,7 +21,8 @@ from jfto_sim.config import VehicleConfig
 from jfto_sim.dialect import ACCEPTED, FAILED, UNSUPPORTED, WARNING, Message, mavlink
 from jfto_sim.estimator import Estimator
 from jfto_sim.failsafe import Failsafes
-from jfto_sim.flight import Flight, FlightLoop, LandDetector, Motors
+from jfto_sim.flight import Flight, LandDetector, Motors
+from jfto_sim.flight_loop import FlightLoop
 from jfto_sim.mission.items import Store
 from jfto_sim.mission.protocol import MissionProtocol
 from jfto_sim.modes.auto import Auto
@@ -121,17 +122,16 @@ class Vehicle:
     def _make_modes(self) -> None:
         """Flight modes, what steps them and what changes them."""
         flight, battery, estimator = self.flight, self.battery, self.estimator
-        self.loop = FlightLoop(flight, battery, lambda: self.modes.current, self.config.wind_mps)
-        self.arming = Arming(
-            flight, battery, estimator, self.store, self.parameters.tell,
-            lambda: self.modes.current.number,
-        )  # fmt: skip
         self.camera = Camera(flight)
         self.auto = Auto(flight, self.store, self.camera, self._terrain_missing)
         self.guided, land = Guided(flight), Land(flight)
         manual = (Manual(flight, Mode.STABILIZE), Manual(flight, Mode.ALT_HOLD))
         modes = (*manual, self.auto, self.guided, Loiter(flight), Rtl(flight), land, Brake(flight))
         self.modes = Modes(modes, flight, estimator, self._tell_mode)
+        self.loop = FlightLoop(flight, battery, self.modes, self.config.wind_mps)
+        self.arming = Arming(
+            flight, battery, estimator, self.store, self.modes, self.parameters.tell
+        )
         self.failsafes = Failsafes(flight, battery, estimator, self.store, self.modes, land)
 
     def _make_conversations(self) -> None:
@@ -148,7 +148,7 @@ class Vehicle:
         flying = FlightCommands(flight, self.modes, self.auto, self.guided)
         boot = Boot(
             clock, ports, self.parameters, flight.position, self.boots, self.config.home_alt_m,
-            lambda: self.loop.flight_time_s,
+            self.loop,
         )  # fmt: skip
         commands = Commands(
             ports,

@@ -100,11 +100,11 @@ def test_link_lines(stations):
     apply(stations, "link 1 loss=0.25 delay_s=0.5 direction=to")
     link = stations[1].links[0]
     assert (link["to"].faults.loss, link["to"].faults.delay_s) == (0.25, 0.5)
-    assert link["from"].faults.clean
+    assert link["from"].faults == LinkFaults()
     apply(stations, "link 1 cut=1 port=0")
     assert link["from"].faults.cut
     apply(stations, "mend 1")
-    assert link["to"].faults.clean
+    assert link["to"].faults == LinkFaults()
 
 
 @pytest.mark.parametrize(

@@ -151,7 +151,7 @@ class NavItems:
         if self._hold_s == 0.0:
             self._look_ahead(seq, item, place)
         if nose_free and int(self._flight.params["WP_YAW_BEHAVIOR"]) == 0:
-            self._flight.hold_heading()
+            self._flight.heading.hold()
         elif nose_free:
             self._flight.heading.follow_track()
 

@@ -57,7 +57,7 @@ class Guided(FlightMode):
         """Hold where the vehicle can stop."""
         self._mover.reset()
         self._goal = Goal.NONE
-        self.flight.hold_heading()
+        self.flight.heading.hold()
         return True
 
     @property

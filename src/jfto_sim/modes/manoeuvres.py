@@ -109,7 +109,7 @@ class Descent:
         """Land where the vehicle can stop, or at a place."""
         self._mover.reset()
         self._place_m = place_m
-        self._flight.hold_heading()
+        self._flight.heading.hold()
 
     def step(self, dt_s: float, *, hold: bool = False) -> None:
         """Sink: fast above LAND_ALT_LOW, then at LAND_SPEED; or hold the height for now."""
@@ -159,7 +159,7 @@ class ReturnHome:
         self.nav.set_destination((x, y, self._height_m))
         self.nav.set_next((home[0], home[1], self._height_m))
         self._stage = _Stage.CLIMB
-        flight.hold_heading()
+        flight.heading.hold()
 
     def _return_height(self, distance_m: float, height_m: float) -> float:
         p = self._flight.params

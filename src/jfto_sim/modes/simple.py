@@ -53,7 +53,7 @@ class Brake(_Stopping):
 
     def enter(self) -> bool:
         """Keep the heading too."""
-        self.flight.hold_heading()
+        self.flight.heading.hold()
         return super().enter()
 
     def step(self, dt_s: float) -> None:
@@ -69,7 +69,7 @@ class Loiter(_Stopping):
     def enter(self) -> bool:
         """Keep the heading too."""
         self._brakes_at_s = self.flight.clock.time_s + self.flight.params["LOIT_BRK_DELAY"]
-        self.flight.hold_heading()
+        self.flight.heading.hold()
         return super().enter()
 
     def step(self, dt_s: float) -> None:

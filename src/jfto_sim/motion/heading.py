@@ -35,15 +35,13 @@ class Heading:
         self._stream_deg = 0.0
         self.place_m: tuple[float, float] = (0.0, 0.0)
 
-    def hold(self, heading_deg: float) -> None:
-        """Keep a heading."""
-        self.mode, self.demand_deg, self.rate_dps = YawMode.HOLD, wrap_360(heading_deg), 0.0
+    def hold(self) -> None:
+        """Keep the heading that is demanded now."""
+        self.mode, self.rate_dps = YawMode.HOLD, 0.0
 
-    def follow_track(self, heading_deg: float | None = None) -> None:
+    def follow_track(self) -> None:
         """Point along the target's motion from now on."""
         self.mode = YawMode.ALONG_TRACK
-        if heading_deg is not None:
-            self.demand_deg = wrap_360(heading_deg)
 
     def turn_to(self, angle_deg: float, rate_dps: float, direction: int, *, relative: bool) -> None:
         """CONDITION_YAW: clockwise (1), counter-clockwise (-1) or the short way (0) to an angle."""
