@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 
+
+@dataclass
 class Clock:
     """`total_s` counts from when the vehicle was made, `time_s` from its last power-up.
 
-    `utc_at_boot_us` is UTC at the first power-up; `drift_ppm` makes the vehicle's own clock, and
+    `utc_at_boot_us` is UTC at the last power-up; `drift_ppm` makes the vehicle's own clock, and
     with it all but `total_s`, run fast.
     """
 
-    def __init__(self, utc_at_boot_us: int, drift_ppm: float) -> None:
-        self.drift_ppm = drift_ppm
-        self.total_s = 0.0
-        self.time_s = 0.0
-        self._utc_at_boot_us = utc_at_boot_us
+    utc_at_boot_us: int
+    drift_ppm: float
+    total_s: float = 0.0
+    time_s: float = 0.0
 
     def restart(self, dark_s: float) -> None:
         """Power up again after `dark_s` seconds."""
-        self._utc_at_boot_us += round((self.time_s + dark_s) * 1e6)
+        self.utc_at_boot_us += round((self.time_s + dark_s) * 1e6)
         self.time_s = 0.0
 
     @property
@@ -34,7 +36,7 @@ class Clock:
     @property
     def utc_us(self) -> int:
         """UTC in microseconds."""
-        return self._utc_at_boot_us + self.time_us
+        return self.utc_at_boot_us + self.time_us
 
     def seconds_until_utc(self, hour: float, minute: float, second: float) -> float:
         """Seconds until a time of day; -1 means any; a time just past waits for the next one."""

@@ -125,39 +125,39 @@ class Port:
         return ready
 
 
+@dataclass
 class Ports:
     """All ports of a vehicle. What is sent through them is appended to `out`, in order."""
 
-    def __init__(self, ports: Sequence[Port], key: SigningKey, clock: Clock, out: list[Frame]):
-        self._ports = list(ports)
-        self._key = key
-        self._clock = clock
-        self._out = out
-        self._held: list[tuple[int, Message]] | None = None
+    ports: Sequence[Port]
+    key: SigningKey
+    clock: Clock
+    out: list[Frame]
+    _held: list[tuple[int, Message]] | None = None
 
     def __getitem__(self, index: int) -> Port:
-        return self._ports[index]
+        return self.ports[index]
 
     def __iter__(self) -> Iterator[Port]:
-        return iter(self._ports)
+        return iter(self.ports)
 
     def __len__(self) -> int:
-        return len(self._ports)
+        return len(self.ports)
 
     def send(self, port: int, message: Message) -> None:
         """Send a message on one port."""
         if self._held is not None and message.get_type() != _BEFORE_ACKNOWLEDGEMENT:
             self._held.append((port, message))
             return
-        if self._key.active:
-            self._key.advance_to(self._clock.utc_us)
-        frame = self._ports[port].encode(message)
+        if self.key.active:
+            self.key.advance_to(self.clock.utc_us)
+        frame = self.ports[port].encode(message)
         if frame:
-            self._out.append((port, frame))
+            self.out.append((port, frame))
 
     def broadcast(self, message: Message, *, everywhere: bool = False) -> None:
         """Send on every port on which something has been heard, or on all."""
-        for port in self._ports:
+        for port in self.ports:
             if everywhere or port.active:
                 self.send(port.index, message)
 

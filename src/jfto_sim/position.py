@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from jfto_sim.config import VehicleConfig
 from jfto_sim.dialect import ACCEPTED, FAILED, Message, mavlink
 from jfto_sim.estimator import Estimator
 from jfto_sim.geodesy import move, offset_m
-from jfto_sim.mission.items import LOCATION_ALT_MAX_M
+from jfto_sim.mission.items import LOCATION_ALT_MAX_M, WAYPOINT, Item
 from jfto_sim.motion.body import Body
 from jfto_sim.ports import Ports
 
@@ -22,23 +23,22 @@ _MSL, _HOME, _TERRAIN = (0, 5), (3, 6), (10, 11)
 _NAN = float("nan")
 
 
+@dataclass
 class Position:
     """`origin` is the power-up point in 1e-7 degree, `home_m` is home east, north, up of it."""
 
-    def __init__(
-        self, config: VehicleConfig, clock: Clock, estimator: Estimator, body: Body, ports: Ports
-    ) -> None:
-        self.origin = config.home_units
-        self.home_m = (0.0, 0.0, 0.0)
-        self.home_heading_deg = body.yaw_deg
-        self._origin_alt_m = config.home_alt_m
-        self._clock = clock
-        self._estimator = estimator
-        self._body = body
-        self._ports = ports
-        self._noise_sigma_m = config.gps_noise_m
+    config: VehicleConfig
+    clock: Clock
+    estimator: Estimator
+    body: Body
+    ports: Ports
+    home_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        self.origin = self.config.home_units
+        self.home_heading_deg = self.body.yaw_deg
         self._noise_m = np.zeros(2)
-        self._noise = np.random.default_rng(config.seed)
+        self._noise = np.random.default_rng(self.config.seed)
         self.commands: dict[int, CommandHandler] = {
             mavlink.MAV_CMD_DO_SET_HOME: self._do_set_home,
             mavlink.MAV_CMD_GET_HOME_POSITION: self._get_home,
@@ -47,7 +47,7 @@ class Position:
     @property
     def known(self) -> bool:
         """Whether there is a position at all, and a home."""
-        return self._estimator.has_origin
+        return self.estimator.has_origin
 
     def local_m(self, lat: int, lon: int) -> tuple[float, float]:
         """East and north of the power-up point of a place in 1e-7 degree."""
@@ -55,35 +55,36 @@ class Position:
 
     def true(self) -> tuple[int, int]:
         """True latitude and longitude in 1e-7 degree."""
-        x, y, _ = self._body.position_m
+        x, y, _ = self.body.position_m
         return move(*self.origin, x, y)
 
     def reported(self) -> tuple[int, int, float]:
         """Latitude, longitude (1e-7 degree) and height above sea level as the vehicle believes."""
         if not self.known:
             return 0, 0, 0.0
-        x, y, z = self._body.position_m
+        x, y, z = self.body.position_m
         lat, lon = move(*self.origin, x + self._noise_m[0], y + self._noise_m[1])
-        return lat, lon, self._origin_alt_m + z
+        return lat, lon, self.config.home_alt_m + z
 
     def stir_noise(self, dt_s: float) -> None:
         """Let the error of the reported position wander on."""
-        if self._noise_sigma_m > 0:
+        sigma_m = self.config.gps_noise_m
+        if sigma_m > 0:
             keep = math.exp(-dt_s / _NOISE_TIME_S)
-            push = self._noise_sigma_m * math.sqrt(1.0 - keep * keep)
+            push = sigma_m * math.sqrt(1.0 - keep * keep)
             self._noise_m = keep * self._noise_m + push * self._noise.standard_normal(2)
 
-    def home_item(self) -> tuple[int, int, float]:
+    def home_item(self) -> Item:
         """Home as mission item 0: all zero before there is a position."""
         if not self.known:
-            return 0, 0, 0.0
+            return Item(WAYPOINT)
         lat, lon = move(*self.origin, self.home_m[0], self.home_m[1])
-        return lat, lon, self._origin_alt_m + self.home_m[2]
+        return Item(WAYPOINT, x=lat, y=lon, z_m=self.config.home_alt_m + self.home_m[2])
 
     @property
     def from_home_m(self) -> tuple[float, float, float]:
         """East, north, up of home."""
-        x, y, z = self._body.position_m
+        x, y, z = self.body.position_m
         return x - self.home_m[0], y - self.home_m[1], z - self.home_m[2]
 
     def height_of(self, alt_m: float, frame: int) -> float | None:
@@ -96,39 +97,39 @@ class Position:
         if frame in _HOME:
             return self.home_m[2] + alt_m
         if frame in _MSL or frame in _TERRAIN:
-            return alt_m - self._origin_alt_m
+            return alt_m - self.config.home_alt_m
         return None
 
     # --- home ---
 
     def move_home(self) -> None:
         """Home is where the vehicle is now."""
-        self.home_m = self._body.position_m
-        self.home_heading_deg = self._body.yaw_deg
+        self.home_m = self.body.position_m
+        self.home_heading_deg = self.body.yaw_deg
         self.announce_home()
 
     def set_home(self, lat: int, lon: int, alt_m: float) -> None:
         """Home is at a place the station or the mission names."""
-        self.home_m = (*self.local_m(lat, lon), alt_m - self._origin_alt_m)
+        self.home_m = (*self.local_m(lat, lon), alt_m - self.config.home_alt_m)
         self.announce_home()
 
     def announce_home(self) -> None:
         """GPS_GLOBAL_ORIGIN and HOME_POSITION on every port."""
-        self._ports.broadcast(self.origin_message(), everywhere=True)
-        self._ports.broadcast(self.home_message(), everywhere=True)
+        self.ports.broadcast(self.origin_message(), everywhere=True)
+        self.ports.broadcast(self.home_message(), everywhere=True)
 
     def origin_message(self) -> Message:
         """GPS_GLOBAL_ORIGIN."""
-        alt = round(self._origin_alt_m * 1000)
-        return mavlink.MAVLink_gps_global_origin_message(*self.origin, alt, self._clock.time_us)
+        alt = round(self.config.home_alt_m * 1000)
+        return mavlink.MAVLink_gps_global_origin_message(*self.origin, alt, self.clock.time_us)
 
     def home_message(self) -> Message:
         """HOME_POSITION; x, y, z are metres north, east, down of the EKF origin."""
-        lat, lon, alt_m = self.home_item()
+        home = self.home_item()
         east, north, up = self.home_m
         return mavlink.MAVLink_home_position_message(
-            lat, lon, round(alt_m * 1000), north, east, -up, [_NAN] * 4, 0.0, 0.0, 0.0,
-            self._clock.time_us,
+            home.x, home.y, round(home.z_m * 1000), north, east, -up, [_NAN] * 4, 0.0, 0.0, 0.0,
+            self.clock.time_us,
         )  # fmt: skip
 
     def _do_set_home(self, c: Command) -> int:
@@ -143,5 +144,5 @@ class Position:
     def _get_home(self, c: Command) -> int:
         if not self.known:
             return FAILED
-        self._ports.send(c.port, self.home_message())
+        self.ports.send(c.port, self.home_message())
         return ACCEPTED

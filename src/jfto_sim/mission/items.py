@@ -74,6 +74,11 @@ class Item:
         return self.command in NAV
 
     @property
+    def reported(self) -> bool:
+        """Whether it is reported as reached; the mission library's own items are not."""
+        return self.command not in UNREPORTED
+
+    @property
     def name(self) -> str:
         """What the autopilot calls it in its texts."""
         return NAMES.get(self.command, "?")
@@ -164,11 +169,6 @@ def _kept_radius(radius_m: float) -> float:
     """Whole metres up to 255, tens of metres beyond."""
     size = abs(radius_m)
     return math.copysign(int(size) if size < 256 else 10 * int(size / 10), radius_m)
-
-
-def with_home(home: tuple[int, int, float]) -> Item:
-    """Item 0: home."""
-    return Item(WAYPOINT, GLOBAL, (0.0, 0.0, 0.0, 0.0), home[0], home[1], home[2])
 
 
 @dataclass

@@ -295,7 +295,7 @@ class MissionProtocol:
         if not self._readable(m, port):
             return None
         if kind == MISSION and m.seq == 0:
-            return kinds.with_home(self.position.home_item())
+            return self.position.home_item()
         if m.seq >= self.store.count(kind):
             self._send_count(m, port)
             self._ack(m, port, mavlink.MAV_MISSION_ERROR)

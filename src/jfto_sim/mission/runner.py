@@ -7,10 +7,13 @@ that have not run.
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import Protocol
 
+from jfto_sim.dialect import INFO, mavlink
 from jfto_sim.mission.items import JUMP, Item, Store
+from jfto_sim.ports import Ports
 
 FIRST = 1
 _LOOPS_PER_STEP = 8
@@ -37,29 +40,21 @@ class Executor(Protocol):
     def mission_complete(self) -> None:
         """The last item is done."""
 
-    def say(self, text: str) -> None:
-        """Tell the stations."""
 
-    def reached(self, seq: int) -> None:
-        """Send MISSION_ITEM_REACHED."""
-
-    def reports(self, item: Item) -> bool:
-        """Whether a finished item is reported as reached."""
-
-
+@dataclass
 class MissionRunner:
     """Index bookkeeping; `nav` and `do` are sequence numbers or None."""
 
-    def __init__(self, store: Store, executor: Executor) -> None:
-        self.store = store
-        self.executor = executor
-        self.state = RunState.STOPPED
-        self.nav: int | None = None
-        self.nav_loaded = False
-        self.do: int | None = None
-        self.do_loaded = False
-        self.do_all_done = False
-        self.jumped: dict[int, int] = {}
+    store: Store
+    executor: Executor
+    ports: Ports
+    state: RunState = RunState.STOPPED
+    nav: int | None = None
+    nav_loaded: bool = False
+    do: int | None = None
+    do_loaded: bool = False
+    do_all_done: bool = False
+    jumped: dict[int, int] = field(default_factory=dict)
 
     @property
     def count(self) -> int:
@@ -157,7 +152,7 @@ class MissionRunner:
                 return False
             item = self.store.mission[self.nav]
             if self.executor.item_done(self.nav, item):
-                moved, report = True, self.nav if self.executor.reports(item) else None
+                moved, report = True, self.nav if item.reported else None
                 self.nav_loaded = False
                 if not self._advance_nav():
                     self._flush(report)
@@ -172,7 +167,7 @@ class MissionRunner:
 
     def _flush(self, seq: int | None) -> None:
         if seq is not None:
-            self.executor.reached(seq)
+            self.ports.broadcast(mavlink.MAVLink_mission_item_reached_message(seq))
 
     def _loop_do(self) -> int | None:
         """Run DO items: None if nothing moved, the seq to report, or -1 if nothing is reported."""
@@ -195,7 +190,7 @@ class MissionRunner:
         if not self.executor.item_done(self.do, item):
             return None
         self.do_loaded = False
-        return self.do if self.executor.reports(item) else -1
+        return self.do if item.reported else -1
 
     def _advance_nav(self, start: int | None = None) -> bool:
         if self.state is not RunState.RUNNING or self.nav_loaded:
@@ -219,7 +214,7 @@ class MissionRunner:
         return True
 
     def _begin(self, seq: int, item: Item) -> None:
-        self.executor.say(f"Mission: {seq} {item.name}")
+        self.ports.text(INFO, f"Mission: {seq} {item.name}")
         self.executor.start_item(seq, item)
 
     def _complete(self) -> None:
@@ -243,7 +238,7 @@ class MissionRunner:
                 continue
             if count_jumps:
                 self.jumped[at] = done + 1
-                self.executor.say(f"Mission: {at} Jump {done + 1}/{times}")
+                self.ports.text(INFO, f"Mission: {at} Jump {done + 1}/{times}")
             else:
                 taken[at] = taken.get(at, 0) + 1
             at = target

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from jfto_sim.camera import Camera
-from jfto_sim.dialect import CRITICAL, INFO, Message, mavlink
+from jfto_sim.dialect import CRITICAL, Message, mavlink
 from jfto_sim.flight import Flight
 from jfto_sim.mission import items as kinds
 from jfto_sim.mission.items import MISSION, Item, Store
@@ -30,10 +30,11 @@ class Auto(FlightMode):
         terrain_missing: Callable[[], None],
     ) -> None:
         super().__init__(flight)
-        self.runner = MissionRunner(store, self)
-        self.flown = NavItems(flight, self.runner.next_nav_after, self.say, terrain_missing)
+        self.runner = MissionRunner(store, self, flight.ports)
+        self.flown = NavItems(flight, self.runner.next_nav_after, terrain_missing)
         self.do = DoItems(flight, camera, self.flown.nav, self.flown.change_speed)
         self._store = store
+        self._camera = camera
         self._may_lift = False
         self._waiting = False
         flight.motors.when_stopped.append(self._motors_stopped)
@@ -106,7 +107,7 @@ class Auto(FlightMode):
             self._waiting = False
             self._begin()
         self.runner.update()
-        self.do.step()
+        self._camera.step()
         if self.taking_off or not self.flight.body.landed:
             self.flown.step(dt_s)
 
@@ -148,18 +149,6 @@ class Auto(FlightMode):
         self.flight.ports.send(port, self.current_message())
 
     # --- for the mission runner ---
-
-    def say(self, text: str) -> None:
-        """Tell the stations."""
-        self.flight.ports.text(INFO, text)
-
-    def reached(self, seq: int) -> None:
-        """MISSION_ITEM_REACHED, once, to every port."""
-        self.flight.ports.broadcast(mavlink.MAVLink_mission_item_reached_message(seq))
-
-    def reports(self, item: Item) -> bool:
-        """The mission library's own items are not reported."""
-        return item.command not in kinds.UNREPORTED
 
     def mission_complete(self) -> None:
         """Hover where it is; on the ground, stop the motors."""

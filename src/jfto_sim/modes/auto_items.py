@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from enum import Enum
 
 from jfto_sim.camera import Camera
+from jfto_sim.dialect import INFO
 from jfto_sim.flight import Flight
 from jfto_sim.mission import items as kinds
 from jfto_sim.mission.items import Item
-from jfto_sim.modes.manoeuvres import Descent, ReturnHome, Takeoff
+from jfto_sim.modes.manoeuvres import Takeoff
+from jfto_sim.modes.simple import Land, Rtl
 from jfto_sim.motion.waypoint_nav import WaypointNav
 from jfto_world.motion.arducopter.wpnav import WpNav
 
@@ -39,15 +41,14 @@ class Phase(Enum):
 class NavItems:
     """Flies one navigation item at a time and says when it is done; holds without one.
 
-    `following` gives the (seq, item) flown after a seq, `say` tells the stations, and
-    `terrain_missing` is called where an item counts from the terrain, which is never loaded.
+    `following` gives the (seq, item) flown after a seq; `terrain_missing` is called where an item
+    counts from the terrain, which is never loaded.
     """
 
     def __init__(
         self,
         flight: Flight,
         following: Callable[[int], tuple[int, Item] | None],
-        say: Callable[[str], None],
         terrain_missing: Callable[[], None],
     ) -> None:
         self.nav = WaypointNav(flight.body, flight.limits.wpnav)
@@ -55,11 +56,10 @@ class NavItems:
         self.speed_mps: float | None = None
         self._flight = flight
         self._following = following
-        self._say = say
         self._terrain_missing = terrain_missing
         self._takeoff = Takeoff(flight)
-        self._descent = Descent(flight)
-        self._home = ReturnHome(flight)
+        self._land = Land(flight)
+        self._rtl = Rtl(flight)
         self._hold_s = 0.0
         self._hold_since_s: float | None = None
         self._delay_until_s = 0.0
@@ -67,7 +67,7 @@ class NavItems:
     @property
     def landing(self) -> bool:
         """Whether the present item brings the vehicle down."""
-        return self.phase is Phase.LAND or (self.phase is Phase.RETURN and self._home.landing)
+        return self.phase is Phase.LAND or (self.phase is Phase.RETURN and self._rtl.landing)
 
     def hold(self) -> None:
         """Hover where the vehicle can stop."""
@@ -97,9 +97,9 @@ class NavItems:
         if self.phase is Phase.TAKEOFF:
             self._takeoff.step(dt_s)
         elif self.phase is Phase.LAND:
-            self._descent.step(dt_s)
+            self._land.step(dt_s)
         elif self.phase is Phase.RETURN:
-            self._home.step(dt_s)
+            self._rtl.step(dt_s)
         else:
             self.nav.step(dt_s)
 
@@ -112,11 +112,11 @@ class NavItems:
         elif item.command in _LANDINGS:
             self.phase, self.nav.active = Phase.LAND, False
             placed = item.x or item.y
-            self._descent.start(self._flight.position.local_m(item.x, item.y) if placed else None)
+            self._land.start(self._flight.position.local_m(item.x, item.y) if placed else None)
         elif item.command == kinds.RTL:
             # the autopilot's one waypoint controller now has RTL's speed, and keeps it
             self.phase, self.nav.active, self.speed_mps = Phase.RETURN, False, None
-            self._home.start()
+            self._rtl.enter()
         elif item.command == kinds.DELAY:
             self._start_delay(item)
         elif item.command in kinds.LOCATED:
@@ -127,7 +127,7 @@ class NavItems:
         if wait_s <= 0:
             wait_s = self._flight.clock.seconds_until_utc(*item.params[1:])
         self._delay_until_s = self._flight.clock.time_s + wait_s
-        self._say(f"Delaying {int(wait_s)} sec")
+        self._flight.ports.text(INFO, f"Delaying {int(wait_s)} sec")
 
     def _start_waypoint(self, seq: int, item: Item, *, nose_free: bool) -> None:
         if not self.nav.active:
@@ -183,7 +183,7 @@ class NavItems:
         if now - self._hold_since_s < self._hold_s:
             return False
         if command in (kinds.WAYPOINT, kinds.SPLINE):
-            self._say(f"Reached command #{seq}")
+            self._flight.ports.text(INFO, f"Reached command #{seq}")
         return True
 
     def _height(self, item: Item) -> float:
@@ -260,7 +260,3 @@ class DoItems:
         if command == kinds.CONDITION_DISTANCE:
             return self.nav.distance_m <= p[0]
         return True
-
-    def step(self) -> None:
-        """Distance-triggered pictures."""
-        self.camera.step()
