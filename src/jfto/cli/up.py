@@ -106,7 +106,8 @@ def command(
     directory = options.directory
     click.echo(f"Logs          {directory / LOGS}   (Ctrl-C stops all)")
     supervisor = Supervisor(graph_commands(options), directory, _tell)
-    for number in (signal.SIGTERM, signal.SIGHUP):
+    # Whatever ends it comes once: a second Ctrl-C finds it ending.
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, lambda *_: supervisor.stop())
     timer = threading.Timer(duration or 0.0, supervisor.stop)
     timer.daemon = True

@@ -34,8 +34,6 @@ _SHOW_EVERY_S = 0.5
 _LAST_WORD_S = 3.0
 # Without one of these there is no flight; the rest is started again for as long as it lasts.
 ESSENTIAL = ("mavlink_bridge", "simulated_fleet")
-# A recorder that is made to end leaves a bag without an index: on a busy computer it takes a while.
-_END_PATIENCE_S = 30.0
 _BACK_OFF = BackOffSettings(give_up_after=1000)
 
 
@@ -113,7 +111,6 @@ class _Graph:
             _BACK_OFF,
             essential,
             self.deaths.put,
-            _END_PATIENCE_S,
         )
         self._thread = threading.Thread(target=self._supervisor.run, name="supervisor")
 

@@ -17,6 +17,9 @@ from jfto.supervision.graph_table import (
 )
 from jfto.supervision.process import NodeCommand
 
+# A recorder that is made to end leaves a bag without an index: on a busy computer it takes a while.
+RECORDER_PATIENCE_S = 30.0
+
 
 def graph_commands(options: GraphOptions) -> list[NodeCommand]:
     """The graph's processes in the order in which they are started."""
@@ -26,7 +29,7 @@ def graph_commands(options: GraphOptions) -> list[NodeCommand]:
     ]
     if options.record:
         recorder = [sys.executable, "-m", "jfto", *recorder_arguments(options)]
-        commands.insert(0, NodeCommand(RECORDER, recorder, _environment()))
+        commands.insert(0, NodeCommand(RECORDER, recorder, _environment(), RECORDER_PATIENCE_S))
     return commands
 
 

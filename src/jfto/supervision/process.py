@@ -13,14 +13,22 @@ from pathlib import Path
 
 from jfto.supervision.die_with_parent import SUPERVISOR
 
+# A node ends within 2 s of being asked. One that is killed while it ends counts as unclean, so on a
+# busy computer it gets more.
+PATIENCE_S = 5.0
+
 
 @dataclass(frozen=True)
 class NodeCommand:
-    """What runs a node: its name, which its log is named after, and its command line."""
+    """What runs a node: its name, which its log is named after, and its command line.
+
+    One that has not ended `patience_s` after it was asked to is made to.
+    """
 
     name: str
     command: Sequence[str]
     environment: Mapping[str, str]
+    patience_s: float = PATIENCE_S
 
 
 class Process:
@@ -33,6 +41,7 @@ class Process:
 
     def __init__(self, node: NodeCommand, log: Path, ended: Callable[[int], None]) -> None:
         self.started_s = time.monotonic()
+        self._patience_s = node.patience_s
         with log.open("ab") as output:
             self._process = subprocess.Popen(
                 node.command,
@@ -56,8 +65,8 @@ class Process:
         """Seconds since it was started."""
         return time.monotonic() - self.started_s
 
-    def stop(self, patience_s: float) -> int:
-        """End it by SIGINT, then SIGTERM, then SIGKILL, `patience_s` apart; its exit status.
+    def stop(self) -> int:
+        """End it by SIGINT, then SIGTERM, then SIGKILL, its patience apart; its exit status.
 
         A shell that starts a program in the background has it and its children ignore SIGINT, which
         is then left out.
@@ -66,7 +75,7 @@ class Process:
         for number in (signal.SIGINT, signal.SIGTERM) if heard else (signal.SIGTERM,):
             self._process.send_signal(number)
             try:
-                return self._process.wait(patience_s)
+                return self._process.wait(self._patience_s)
             except subprocess.TimeoutExpired:
                 continue
         self._process.kill()

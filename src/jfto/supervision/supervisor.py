@@ -12,12 +12,10 @@ from pathlib import Path
 from jfto.supervision.back_off import BackOff, BackOffSettings
 from jfto.supervision.log_tail import LogTail
 from jfto.supervision.process import NodeCommand, Process, ending
+from jfto.supervision.shared_memory import SharedMemory
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.files import write_file
 
-# A node ends within 2 s of SIGINT; on a busy computer it gets more time, since one that is killed
-# while it ends counts as unclean.
-PATIENCE_S = 10.0
 # How often logs are looked at for errors.
 _LOOK_S = 0.5
 STATUS_NAME = "status.json"
@@ -62,8 +60,7 @@ class Supervisor:
     """Runs nodes until `stop` or until one is given up; `tell` hears what happens, in words.
 
     Of `essential` nodes, all where None, none may be given up; without another one the rest goes
-    on. `died` hears of each death, in the thread of `run`. One that does not end within
-    `patience_s` of being asked is made to.
+    on. `died` hears of each death, in the thread of `run`.
 
     Each node's output goes to `directory`/logs/<name>.log; `directory`/status.json always holds
     the state of all.
@@ -77,7 +74,6 @@ class Supervisor:
         settings: BackOffSettings | None = None,
         essential: Collection[str] | None = None,
         died: Callable[[Death], None] = lambda _death: None,
-        patience_s: float = PATIENCE_S,
     ) -> None:
         chosen = settings or BackOffSettings()
         self._slots = [
@@ -86,13 +82,16 @@ class Supervisor:
         ]
         self._directory = directory
         self._tell, self._died, self._essential = tell, died, essential
-        self._patience_s = patience_s
+        self._shared_memory = SharedMemory()
+        # Processes that have ended, and whether one of them was killed.
+        self._ended: list[int] = []
+        self._killed = False
         self._events: queue.SimpleQueue[tuple[_Slot, Process, int] | None] = queue.SimpleQueue()
 
     def run(self) -> Outcome:
         """Start all in order and keep them up; returns when stopped, or when one is given up.
 
-        Ctrl-C stops it too. Raises InputError where logs cannot be written.
+        Raises InputError where logs cannot be written.
         """
         try:
             (self._directory / LOGS).mkdir(parents=True, exist_ok=True)
@@ -106,8 +105,6 @@ class Supervisor:
                 self._start(slot)
             self._write_status()
             stopped = self._watch()
-        except KeyboardInterrupt:
-            stopped = True
         finally:
             unclean = self._stop_all()
         failed = {s.node.name: s.given_up for s in self._slots if s.given_up}
@@ -144,6 +141,7 @@ class Supervisor:
                 self._write_status()
             for complaint in slot.tail.complaints():
                 self._tell(slot.node.name, f"⚠ {complaint}")
+        self._shared_memory.look({slot.process.pid for slot in self._slots if slot.process})
 
     def _start(self, slot: _Slot) -> None:
         log = self._directory / LOGS / f"{slot.node.name}.log"
@@ -157,6 +155,7 @@ class Supervisor:
     def _mourn(self, slot: _Slot, process: Process, status: int) -> bool:
         """Arrange for a dead process's restart; False where nothing goes on without it."""
         slot.process = None
+        self._bury(process, status)
         how = ending(status)
         # Status 2 says that its parameters are wrong: they will be wrong again.
         wait_s = (
@@ -180,12 +179,24 @@ class Supervisor:
             process, slot.process, slot.again_at_s = slot.process, None, None
             if process is None:
                 continue
-            status = process.stop(self._patience_s)
+            status = process.stop()
+            self._bury(process, status)
             self._tell(slot.node.name, "stopped" if status == 0 else ending(status))
             if status != 0:
                 unclean[slot.node.name] = ending(status)
+        if self._killed:
+            # What a killed one had open too, those who ended cleanly could not remove.
+            for pid in self._ended:
+                self._shared_memory.clear(pid)
         self._write_status()
         return unclean
+
+    def _bury(self, process: Process, status: int) -> None:
+        """Take away what a killed process left in shared memory."""
+        self._ended.append(process.pid)
+        if status < 0:
+            self._killed = True
+            self._shared_memory.clear(process.pid)
 
     def _write_status(self) -> None:
         state = {

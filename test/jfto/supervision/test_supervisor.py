@@ -16,7 +16,11 @@ from jfto.supervision.process import NodeCommand
 from jfto.supervision.supervisor import Death, Supervisor
 
 LIMIT_S = 30.0
-SLEEPER = "import time; print('up', flush=True)\ntry: time.sleep(60)\nexcept KeyboardInterrupt: 0"
+# Waiting for the signal itself: one that comes just before a sleep would find it asleep.
+WAITER = (
+    "import signal\nsignal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])\n"
+    "print('up', flush=True)\nsignal.sigwait([signal.SIGINT])\n"
+)
 SETTINGS = BackOffSettings(first_s=0.01, greatest_s=0.05, give_up_after=3)
 
 
@@ -70,7 +74,7 @@ class _Running:
 
 def test_a_killed_node_comes_back_and_all_stop_in_reverse_order(tmp_path) -> None:
     """Killed with -9 it is started again, into the same log; stopping is in reverse order."""
-    with _Running(tmp_path, _node("one", SLEEPER), _node("two", SLEEPER)) as running:
+    with _Running(tmp_path, _node("one", WAITER), _node("two", WAITER)) as running:
         running.until(lambda: "up" in running.log("one") and "up" in running.log("two"))
         os.kill(running.state("one")["pid"], signal.SIGKILL)
         running.until(lambda: running.log("one").count("up") == 2)
@@ -85,7 +89,7 @@ def test_a_killed_node_comes_back_and_all_stop_in_reverse_order(tmp_path) -> Non
 
 def test_a_node_that_keeps_dying_is_given_up(tmp_path) -> None:
     """After a few early deaths the rest is stopped and the outcome names the culprit."""
-    with _Running(tmp_path, _node("good", SLEEPER), _node("bad", "raise SystemExit(7)")) as running:
+    with _Running(tmp_path, _node("good", WAITER), _node("bad", "raise SystemExit(7)")) as running:
         running.until(lambda: running.outcome is not None)
     assert list(running.outcome.failed) == ["bad"]
     assert "ended with status 7" in running.outcome.failed["bad"]
@@ -94,7 +98,7 @@ def test_a_node_that_keeps_dying_is_given_up(tmp_path) -> None:
 
 def test_the_rest_goes_on_without_a_node_that_is_not_essential(tmp_path) -> None:
     """It is given up, whoever listens hears of every death, and the others stay up."""
-    good, bad = _node("good", SLEEPER), _node("bad", "raise SystemExit(7)")
+    good, bad = _node("good", WAITER), _node("bad", "raise SystemExit(7)")
     with _Running(tmp_path, good, bad, essential=["good"]) as running:
         running.until(lambda: running.deaths and running.deaths[-1].again_s is None)
         running.until(lambda: "up" in running.log("good"))
@@ -116,10 +120,7 @@ def test_bad_parameters_are_not_tried_again(tmp_path) -> None:
 @pytest.mark.parametrize("code", ["raise SystemExit(3)"])
 def test_an_unclean_end_is_reported(tmp_path, code) -> None:
     """A node that answers SIGINT with another status than 0 is named."""
-    stubborn = (
-        f"import time\nprint('up', flush=True)\ntry: time.sleep(60)\nexcept BaseException: {code}"
-    )
-    with _Running(tmp_path, _node("node", stubborn)) as running:
+    with _Running(tmp_path, _node("node", WAITER + code)) as running:
         running.until(lambda: "up" in running.log("node"))
     assert running.outcome.unclean == {"node": "ended with status 3"}
 
