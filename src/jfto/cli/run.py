@@ -144,6 +144,7 @@ def _fly(
     from jfto.conduct.prepare import prepare
     from jfto.conduct.settings import LANDED
     from jfto.console.results import say_flight
+    from jfto.pipeline.directory import forget_dry_run
 
     ask = not (vehicles.simulated or choices["arm"] or choices["until"])
     job = prepare(loaded, run, vehicles, until=choices["until"] or LANDED, ask=ask)
@@ -153,5 +154,7 @@ def _fly(
     console = progress.console.rich
     with Terminal(console, len(run.plan.uavs), quiet=console.quiet) as operator:
         end = fly(job, operator)
+    if not end.outcome.flown:
+        forget_dry_run(job.directory)
     say_flight(run.plan, job, end, progress)
     return end

@@ -11,8 +11,12 @@ from typing import Any
 import yaml
 
 from jfto.planning.scenario_file import BUILT_IN_DEM, SHARED, LoadedScenario
-from jfto.supervision.graph_table import BAG_NAME, ENERGY_NAME, LIFT_OFF_NAME
-from jfto.supervision.graph_table import FLIGHT_NAME as FLIGHT_STATE_NAME
+from jfto.supervision.graph_table import (
+    BAG_NAME,
+    ENERGY_NAME,
+    FLIGHT_STATE_NAME,
+    LIFT_OFF_NAME,
+)
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.files import write_file
 
@@ -25,6 +29,8 @@ FLIGHT_NAME = "flight.json"
 REPORT_NAME = "report.html"
 LOG_NAME = "log.txt"
 FIGURES = "figures"
+# What the nodes of a flight go on with after a restart.
+_STATES = (LIFT_OFF_NAME, ENERGY_NAME, FLIGHT_STATE_NAME)
 # A recorder that is started again goes on in bag-2, bag-3 and so on.
 _BAG = re.compile(re.escape(BAG_NAME) + r"(?:-(\d+))?")
 
@@ -47,12 +53,18 @@ def make_run_directory(out: Path | None) -> Path:
 
 def require_no_flight(directory: Path) -> None:
     """Refuse a directory that a flight was recorded in; raises InputError."""
-    for name in (BAG_NAME, LIFT_OFF_NAME, ENERGY_NAME, FLIGHT_STATE_NAME):
+    for name in (BAG_NAME, *_STATES):
         if (directory / name).exists():
             raise InputError(
                 f"{directory}: holds a flight already ({name}). Name another directory with --out; "
                 f"--plan {directory / PLAN_NAME} flies its plan again."
             )
+
+
+def forget_dry_run(directory: Path) -> None:
+    """Remove what nodes remember, after a run in which nothing started: no flight goes on there."""
+    for name in _STATES:
+        (directory / name).unlink(missing_ok=True)
 
 
 def flight_bags(directory: Path) -> list[Path]:

@@ -14,7 +14,7 @@ from jfto_msgs_py.ros.topics import RECORDED
 
 LIFT_OFF_NAME = "lift_off.json"
 ENERGY_NAME = "energy.json"
-FLIGHT_NAME = "flight_state.json"
+FLIGHT_STATE_NAME = "flight_state.json"
 BAG_NAME = "bag"
 TLOGS = "tlogs"
 RECORDER = "recorder"
@@ -119,7 +119,7 @@ def graph_table(options: GraphOptions) -> list[NodeRow]:
         own["mavlink_bridge"] = {
             "plan_file": options.plan,
             "log_directory": kept / TLOGS,
-            "state_file": kept / FLIGHT_NAME,
+            "state_file": kept / FLIGHT_STATE_NAME,
         }
     return [
         NodeRow(name, {"use_sim_time": options.sim_time, **values, **_chosen(name, options)})
