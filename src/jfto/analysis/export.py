@@ -6,51 +6,91 @@ import csv
 import io
 import json
 import math
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from jfto.analysis.comparison import ALGORITHMS, AlgorithmResult, Comparison, LinkMetrics
-from jfto.analysis.paper import PAPER, throughput_ratios
-from jfto.planning.survey import Survey
+from jfto.analysis.paper import PAPER, PaperRow, throughput_ratios
 from jfto_msgs_py.certificate import Certificate
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.files import write_file
 from jfto_msgs_py.plan import Plan
-from jfto_planner.coverage import Coverage
+
+if TYPE_CHECKING:
+    from jfto.planning.survey import Survey
+    from jfto_planner.coverage import Coverage
 
 _WAYPOINT_SUFFIXES = (".csv", ".geojson")
 
 
+def plain(value: object, digits: int | None = None) -> Any:
+    """Records, arrays and containers as values that JSON has: what is not finite becomes null.
+
+    With `digits` numbers are rounded to so many decimals.
+    """
+    if is_dataclass(value):
+        return plain({one.name: getattr(value, one.name) for one in fields(value)}, digits)
+    if isinstance(value, Mapping):
+        return {key: plain(one, digits) for key, one in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return [plain(one, digits) for one in value]
+    if isinstance(value, float):
+        return (value if digits is None else round(value, digits)) if math.isfinite(value) else None
+    return value
+
+
 def comparison_object(plan: Plan, comparison: Comparison, scene: str) -> dict[str, Any]:
     """The comparison as plain values; `inf` is written as null."""
+    theirs = PAPER.get(scene, {})
+    algorithms = {
+        result.name: {
+            "traverses_all": result.traverses_all,
+            **_links_object(result.linked),
+            "active_links": _links_object(result.active),
+            "degree_min": result.degree.min(),
+            "degree_mean": result.degree.mean(),
+            "degree_max": result.degree.max(),
+            "energy_j": result.energy_j,
+            "paper": _paper_object(theirs.get(result.name)),
+        }
+        for result in comparison.results
+    }
+    found: dict[str, Any] = plain(
+        {
+            "scene": scene,
+            "scenario_hash": plan.scenario_hash,
+            "seed": plan.seed,
+            "n_dc": comparison.n_dc,
+            "algorithms": algorithms,
+            "throughput_ratios": throughput_ratios(comparison),
+            "notes": comparison.notes,
+        }
+    )
+    return found
+
+
+def _links_object(links: LinkMetrics) -> dict[str, float]:
     return {
-        "scene": scene,
-        "scenario_hash": plan.scenario_hash,
-        "seed": plan.seed,
-        "n_dc": comparison.n_dc,
-        "algorithms": {
-            result.name: {
-                "traverses_all": result.traverses_all,
-                "connectivity_rate": result.linked.connectivity_rate,
-                "throughput_mbps": result.linked.mean_throughput_mbps,
-                "hops": _finite(result.linked.hops),
-                "active_links": {
-                    "connectivity_rate": result.active.connectivity_rate,
-                    "throughput_mbps": result.active.mean_throughput_mbps,
-                    "hops": _finite(result.active.hops),
-                },
-                "degree_min": int(result.degree.min()),
-                "degree_mean": float(result.degree.mean()),
-                "degree_max": int(result.degree.max()),
-                "energy_j": result.energy_j.tolist(),
-                "paper": _paper_object(scene, result.name),
-            }
-            for result in comparison.results
-        },
-        "throughput_ratios": throughput_ratios(comparison),
-        "notes": list(comparison.notes),
+        "connectivity_rate": links.connectivity_rate,
+        "throughput_mbps": links.mean_throughput_mbps,
+        "hops": links.hops,
+    }
+
+
+def _paper_object(row: PaperRow | None) -> dict[str, Any] | None:
+    if row is None:
+        return None
+    return {
+        "traverses_all": row.traverses_all,
+        "connectivity_rate": row.connectivity_rate,
+        "throughput_mbps": row.throughput,
+        "hops": row.hops,
     }
 
 
@@ -175,18 +215,9 @@ def read_comparison(path: Path) -> Comparison:
 
 def certificate_object(certificate: Certificate) -> dict[str, Any]:
     """The figures of a certificate and its violations as plain values."""
-    return {
-        "clean": certificate.clean,
-        "slot_checks": certificate.slot_checks,
-        "slot_violations": certificate.slot_violations,
-        "fine_violations": certificate.fine_violations,
-        "worst_margin_db": _finite(certificate.worst_margin_db),
-        "worst_margin_uav": certificate.worst_margin_uav,
-        "worst_margin_slot": _finite(certificate.worst_margin_slot),
-        "worst_separation_m": _finite(certificate.worst_separation_m),
-        "energy_floor_j": [_finite(value) for value in certificate.energy_floor_j],
-        "violations": [violation.message for violation in certificate.violations],
-    }
+    found: dict[str, Any] = plain(certificate)
+    found["violations"] = [violation.message for violation in certificate.violations]
+    return found
 
 
 def coverage_object(coverage: Coverage) -> dict[str, Any]:
@@ -249,19 +280,3 @@ def write_waypoints(found: Survey, path: Path) -> None:
     ]
     collection = {"type": "FeatureCollection", "features": features}
     write_file(path, json.dumps(collection, indent=1) + "\n")
-
-
-def _paper_object(scene: str, algorithm: str) -> dict[str, Any] | None:
-    row = PAPER.get(scene, {}).get(algorithm)
-    if row is None:
-        return None
-    return {
-        "traverses_all": row.traverses_all,
-        "connectivity_rate": row.connectivity_rate,
-        "throughput_mbps": row.throughput,
-        "hops": None if row.hops is None else _finite(row.hops),
-    }
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
