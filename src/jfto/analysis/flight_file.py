@@ -9,7 +9,7 @@ import numpy as np
 from jfto.analysis.export import plain
 from jfto.analysis.facts import FlightFacts
 from jfto.analysis.grid import FINER
-from jfto.analysis.passages import VISITED_M
+from jfto_msgs_py.records.passage import VISITED_M
 
 FLIGHT_FORMAT = "jfto-flight"
 FLIGHT_VERSION = 1

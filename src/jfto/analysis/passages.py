@@ -10,40 +10,15 @@ import numpy as np
 from jfto.analysis.motion import motions
 from jfto.analysis.record import RecordedFlight, Track
 from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.passage import VISITED_M, Passage
 from jfto_msgs_py.types import Array
 
-# A waypoint passed at this distance or less counts as visited.
-VISITED_M = 2.0
 # Around its planned time, later by what its forerunner was late, a waypoint is looked for first.
 _WINDOW_S = 20.0
 # Being this little further away than at the closest counts as being there.
 _THERE_M = 0.5
 # Who is there for longer does not fly by.
 _FLY_BY_S = 3.0
-
-
-@dataclass(frozen=True)
-class Passage:
-    """One waypoint of one UAV; times in s after lift-off, None where it was never near.
-
-    `reached_s` is when the UAV came to its closest, `closest_m` in three dimensions.
-    """
-
-    uav: str
-    waypoint_id: int
-    planned_s: float
-    reached_s: float | None
-    closest_m: float
-
-    @property
-    def late_s(self) -> float | None:
-        """Seconds behind the plan, negative when early."""
-        return None if self.reached_s is None else self.reached_s - self.planned_s
-
-    @property
-    def visited(self) -> bool:
-        """Whether it was passed closely enough."""
-        return self.closest_m <= VISITED_M
 
 
 def passages_of(flight: RecordedFlight, plan: Plan) -> tuple[Passage, ...]:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from jfto_mavlink.dialect import MODES, Message, mavlink
 from jfto_mavlink.flight.control import AIRBORNE
 from jfto_mavlink.mission.build import VehicleMission
 from jfto_mavlink.mission.place import Place, closest_m
 from jfto_mavlink.protocol.exchange import Context, Exchange, Report, Wait
+from jfto_msgs_py.records.passage import Passage
 from jfto_world.motion.arducopter.takeoff import SPOOL_UP_S
 
 LOOK_EVERY_S = 1.0
@@ -19,24 +19,6 @@ GIVE_UP_S = 120.0
 COMPLETE = mavlink.MISSION_STATE_COMPLETE
 # After any other last item the vehicle hovers where it is.
 LANDING = (mavlink.MAV_CMD_NAV_RETURN_TO_LAUNCH, mavlink.MAV_CMD_NAV_LAND)
-
-
-@dataclass
-class Passage:
-    """How one waypoint was passed. Times count from lift-off; `closest_m` is measured in 3-D.
-
-    `reached_s` is None until the autopilot said so (or has gone on to a later item).
-    """
-
-    waypoint_id: int
-    planned_s: float
-    reached_s: float | None = None
-    closest_m: float = math.inf
-
-    @property
-    def late_s(self) -> float | None:
-        """Seconds behind the plan, negative when early."""
-        return None if self.reached_s is None else self.reached_s - self.planned_s
 
 
 @dataclass
@@ -69,7 +51,10 @@ class Follower:
         self.lift_off_s = lift_off_s
         self.record = FlightRecord(
             mission.uav,
-            [Passage(i, at) for i, at in zip(mission.waypoint_ids, mission.arrival_s, strict=True)],
+            [
+                Passage(mission.uav, number, planned_s)
+                for number, planned_s in zip(mission.waypoint_ids, mission.arrival_s, strict=True)
+            ],
         )
         self._next = passed
         self._last_place: Place | None = None
@@ -97,13 +82,15 @@ class Follower:
         for index in (self._next - 1, self._next):
             if 0 <= index < len(self.record.passages):
                 passage = self.record.passages[index]
-                target = self.mission.waypoints_deg_m[index]
-                passage.closest_m = min(passage.closest_m, closest_m(start, place, target))
+                away_m = closest_m(start, place, self.mission.waypoints_deg_m[index])
+                nearest_m = min(passage.closest_m, away_m)
+                self.record.passages[index] = replace(passage, closest_m=nearest_m)
 
     def _reached(self, index: int, now_s: float) -> list[str]:
         words = []
-        for passage in self.record.passages[self._next : index + 1]:
-            passage.reached_s = now_s - self.lift_off_s
+        for number in range(self._next, index + 1):
+            passage = replace(self.record.passages[number], reached_s=now_s - self.lift_off_s)
+            self.record.passages[number] = passage
             words.append(
                 f"waypoint {passage.waypoint_id} reached, {passage.closest_m:.1f} m, "
                 f"{passage.late_s:+.1f} s"

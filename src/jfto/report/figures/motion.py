@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 
 from jfto.analysis.facts import FlightFacts
 from jfto.analysis.motion import Motion, motions
-from jfto.analysis.passages import VISITED_M
 from jfto.report.figures.style import (
     PAGE_WIDTH_IN,
     new_figure,
@@ -21,6 +20,7 @@ from jfto.report.figures.style import (
 )
 from jfto.report.palette import uav_colour
 from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.passage import VISITED_M
 from jfto_msgs_py.types import Array
 from jfto_world.terrain import Dem
 
