@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.types import Array
-from jfto_world.compiled import kernel
+from jfto_world.compiled import allocating_kernel as kernel
 
 OUTER_STEPS = 200
 INNER_STEPS = 60

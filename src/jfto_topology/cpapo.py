@@ -9,7 +9,7 @@ from jfto_msgs_py.types import Array, Flags
 from jfto_topology.backbone import backbones
 from jfto_topology.powered import PoweredTopology, played_out
 from jfto_topology.required_power import required_powers
-from jfto_world.compiled import kernel
+from jfto_world.compiled import allocating_kernel as kernel
 from jfto_world.radio import Channel
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from jfto_msgs_py.types import Array, Flags
 from jfto_topology.rings import RING_WIDTH
-from jfto_world.compiled import kernel
+from jfto_world.compiled import allocating_kernel as kernel
 
 
 @kernel

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.types import Array, Flags
-from jfto_world.compiled import kernel
+from jfto_world.compiled import allocating_kernel as kernel
 
 
 @kernel

@@ -6,7 +6,7 @@ import numpy as np
 
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.types import Array
-from jfto_world.compiled import kernel
+from jfto_world.compiled import allocating_kernel as kernel
 from jfto_world.radio import Channel
 
 # Someone else's distance may differ from ours in the last bits; a link asked for is still a link.

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.types import Array
-from jfto_world.compiled import kernel
+from jfto_world.compiled import allocating_kernel as kernel
 
 # Powers closer than this, relatively, belong to one ring: an interval between them would be too
 # narrow for any radio, and rounding alone separates UAVs that hover on a regular grid.

@@ -1,7 +1,13 @@
 """Compile numeric kernels, and keep them compiled between runs until what they are made of changes.
 
-numba renews a function of its cache when the function's own file changes, not when a kernel that it
-calls does. Here all that goes into a kernel counts: the files of the kernels it reaches and the
+A kernel is what Python calls; an inner function is what kernels call. Only kernels get the wrapper
+that takes arguments from Python and a place on disk: for inner functions both cost more than the
+function itself. Neither allocates: results and room to work in are arrays that the caller hands in.
+So they do without numba's counting of references, which the search would spend half of its time
+on. A division by zero gives inf or nan, as in numpy.
+
+numba renews a function of its cache when the function's own file changes, not when one that it
+calls does. Here all that goes into a kernel counts: the files of the functions it reaches and the
 constants that it takes from other files.
 """
 
@@ -20,12 +26,60 @@ from numba.core.registry import CPUDispatcher
 
 Function = Callable[..., Any]
 _CONSTANTS = (bool, int, float, complex, str, bytes, tuple, type(None), np.generic)
+# The files that say how functions are compiled.
+_HOW = (__file__, str(Path(__file__).with_name("kernel_struct.py")))
+# Typed by hand, since numba's own types lack some of its options.
+_njit: Any = numba.njit
+_OPTIONS: dict[str, Any] = {
+    "nogil": True,
+    "error_model": "numpy",
+    "no_cfunc_wrapper": True,
+    "_nrt": False,
+}
+
+# Every kernel of the modules that are imported, in the order in which they were defined.
+kernels: list[Any] = []
 
 
 def kernel(function: Function) -> Any:
-    """Compile a function, which then runs without the interpreter lock, and cache it on disk."""
+    """Compile a function that runs without the interpreter lock, and cache it on disk."""
+    dispatcher = _for_any_number(_njit(**_OPTIONS)(function))
+    keep_compiled(dispatcher)
+    kernels.append(dispatcher)
+    return dispatcher
+
+
+def allocating_kernel(function: Function) -> Any:
+    """A kernel that allocates arrays itself, whose inner functions are kernels too."""
     dispatcher = numba.njit(nogil=True)(function)
     keep_compiled(dispatcher)
+    kernels.append(dispatcher)
+    return dispatcher
+
+
+def inner(function: Function) -> Any:
+    """Compile a function that only kernels and other inner functions can call."""
+    return _for_any_number(_njit(no_cpython_wrapper=True, **_OPTIONS)(function))
+
+
+def inlined(function: Function) -> Any:
+    """An inner function that becomes part of the one function that calls it.
+
+    What calls many others is compiled sooner so: what a function calls is optimised once more with
+    every function above it.
+    """
+    return _njit(no_cpython_wrapper=True, inline="always", **_OPTIONS)(function)
+
+
+def _for_any_number(dispatcher: Any) -> Any:
+    """Compile once for all numbers of a type, where numba would once more for each literal one."""
+    choose = dispatcher.get_call_template
+
+    def choose_by_type(args: tuple[Any, ...], keywords: dict[str, Any]) -> Any:
+        plain = {name: numba.types.unliteral(kind) for name, kind in keywords.items()}
+        return choose(tuple(map(numba.types.unliteral, args)), plain)
+
+    dispatcher.get_call_template = choose_by_type
     return dispatcher
 
 
@@ -41,7 +95,8 @@ def keep_compiled(dispatcher: Any) -> None:
 def stamp_of(function: Function) -> str:
     """Digest of all that a kernel is made of: files of the kernels it reaches, their constants."""
     digest = hashlib.sha256()
-    for part in sorted(set(_parts(function, set()))):
+    parts = {*_parts(function, set()), *map(_file_digest, _HOW)}
+    for part in sorted(parts):
         digest.update(part.encode() + b"\0")
     return digest.hexdigest()
 

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from jfto_msgs_py.types import Array, Flags
-from jfto_world.compiled import kernel
+from jfto_world.compiled import allocating_kernel as kernel
 
 # columns of a limits row
 SPEED, CLIMB, DESCENT, ACCEL, ACCEL_Z, JERK, TILT_TAN, DRAG = 0, 1, 2, 3, 4, 5, 6, 7

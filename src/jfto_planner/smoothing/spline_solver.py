@@ -11,7 +11,7 @@ import numpy as np
 
 from jfto_msgs_py.types import Array, Flags
 from jfto_planner.smoothing.kernels import control_points, sampled_excess
-from jfto_world.compiled import kernel
+from jfto_world.compiled import allocating_kernel as kernel
 
 _COARSE, _FINE = 14, 256
 _LONGER = 1.04

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.types import Flags
-from jfto_world.compiled import kernel
+from jfto_world.compiled import allocating_kernel as kernel
 
 
 def connectivity_rate(adjacency: Flags, first_slot: int, on_air: Flags | None = None) -> float:

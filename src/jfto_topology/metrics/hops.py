@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from jfto_world.compiled import kernel
+from jfto_world.compiled import allocating_kernel as kernel
 
 
 def average_hops(adjacency: NDArray[np.bool_]) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from jfto_msgs_py.types import Array
-from jfto_world.compiled import kernel
+from jfto_world.compiled import allocating_kernel as kernel
 
 
 @kernel

@@ -17,7 +17,7 @@ import math
 import numpy as np
 
 from jfto_msgs_py.types import Array
-from jfto_world.compiled import kernel
+from jfto_world.compiled import allocating_kernel as kernel
 
 _DEGREE = 6
 _RESOLUTION = 2.0**-28

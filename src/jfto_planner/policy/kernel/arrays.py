@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jfto_planner.policy.features import PAIR_FEATURES, STATE_FEATURES
+from jfto_world.kernel_struct import KernelStruct
 
 Array = NDArray[Any]
 
 
-class Scene(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Scene(KernelStruct):
     """B problems: an InstanceBatch's columns, and every waypoint's others, nearest first."""
 
     waypoints: Array  # (B, W, 3)
@@ -31,7 +34,8 @@ class Scene(NamedTuple):
     starts: int  # S, the number of start nodes before the waypoints
 
 
-class Fleet(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Fleet(KernelStruct):
     """State of B × P rollouts, as in Episode."""
 
     origin: Array  # (B, P, A, 3)
@@ -46,7 +50,8 @@ class Fleet(NamedTuple):
     late: Array
 
 
-class View(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class View(KernelStruct):
     """What Observation holds, of T steps, and the durations of the legs on offer."""
 
     active: Array  # (B, P, T)

@@ -7,16 +7,18 @@ Products are written as sums of scaled rows, which vectorise without reordering 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 
 from jfto_planner.policy.kernel.arrays import Array, Fleet, Scene, View
 from jfto_planner.policy.kernel.observe import observe_one, step_one
-from jfto_planner.routing.kernel.compiled import entry, inner
+from jfto_world.compiled import inner, kernel
+from jfto_world.kernel_struct import KernelStruct
 
 
-class Net(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Net(KernelStruct):
     """Weights of the decoder, every matrix as (inputs, outputs)."""
 
     state: Array
@@ -34,7 +36,8 @@ class Net(NamedTuple):
     clip: float
 
 
-class Known(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Known(KernelStruct):
     """Projections of the nodes of B problems, as in Keys; attention's keys are (B, D, W)."""
 
     graph: Array  # (B, D)
@@ -46,7 +49,8 @@ class Known(NamedTuple):
     stop_key: Array  # (B, S + W, D)
 
 
-class Room(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Room(KernelStruct):
     """Room for one rollout to work in."""
 
     inner: Array  # (D,)
@@ -223,7 +227,7 @@ def _choose(log_p: Array, chance: float) -> int:
     return best
 
 
-@entry
+@kernel
 def roll_out(
     scene: Scene,
     fleet: Fleet,

@@ -8,7 +8,7 @@ import numpy as np
 
 from jfto_planner.policy.features import CLOSE, NO_RIVAL
 from jfto_planner.policy.kernel.arrays import Array, Fleet, Scene, View
-from jfto_planner.routing.kernel.compiled import inner
+from jfto_world.compiled import inner
 
 
 @inner

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from jfto_planner.policy.kernel.arrays import Array, Fleet, Scene, View
 from jfto_planner.policy.kernel.observe import observe_one, step_one
-from jfto_planner.routing.kernel.compiled import entry
+from jfto_world.compiled import kernel
 
 
-@entry
+@kernel
 def replay(
     scene: Scene,
     fleet: Fleet,

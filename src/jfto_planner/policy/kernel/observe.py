@@ -13,7 +13,7 @@ import numpy as np
 from jfto_planner.policy.features import CHECKED_FRACTIONS
 from jfto_planner.policy.kernel.arrays import Array, Fleet, Scene, View
 from jfto_planner.policy.kernel.describe import describe_pairs, describe_state, norm
-from jfto_planner.routing.kernel.compiled import inner
+from jfto_world.compiled import inner
 
 HALF, WHOLE = CHECKED_FRACTIONS
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from jfto_planner.routing.kernel.compiled import entry, inner
 from jfto_planner.routing.kernel.evaluate import accept, cost_of, evaluate
 from jfto_planner.routing.kernel.fine import is_sound
 from jfto_planner.routing.kernel.local import assemble, propose
@@ -29,6 +28,8 @@ from jfto_planner.routing.kernel.tables import (
     Tables,
     Work,
 )
+from jfto_world.compiled import inlined, inner, kernel
+from jfto_world.kernel_struct import KernelStruct
 
 # Entries of Search.counters.
 TRIED, EVALUATED, ACCEPTED, IMPROVED, FINE_REJECTED = range(5)
@@ -43,7 +44,8 @@ WEIGHT_UP, WEIGHT_DOWN = 1.1, 0.95
 WEIGHT_LEAST, WEIGHT_MOST = 2.0, 1e4
 
 
-class Search(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Search(KernelStruct):
     """One search thread: current and candidate state, what it has found, and its random numbers.
 
     `best` and `closest` are states of which only seq, size and total are kept: the shortest sound
@@ -82,7 +84,7 @@ def keep(source: State, target: State) -> None:
             target.seq[a, i] = source.seq[a, i]
 
 
-@inner
+@inlined
 def record(tables: Tables, search: Search) -> None:
     """Keep the current routes if they are the best, or the closest to sound, so far."""
     cur = search.cur
@@ -102,7 +104,7 @@ def record(tables: Tables, search: Search) -> None:
                 keep(cur, search.closest)
 
 
-@inner
+@inlined
 def try_move(tables: Tables, search: Search, ruin_share: float, threshold: float) -> float:
     """Draw and evaluate one candidate; returns its cost, or inf at or above `threshold`."""
     cur, cand, work, rng = search.cur, search.cand, search.work, search.rng
@@ -135,7 +137,7 @@ def tune(weights: np.ndarray, sound: np.ndarray, may_relax: bool) -> None:
         sound[k] = 0
 
 
-@entry
+@kernel
 def anneal(
     tables: Tables,
     search: Search,

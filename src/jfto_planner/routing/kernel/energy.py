@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from jfto_planner.routing.kernel.compiled import inner
 from jfto_planner.routing.kernel.radio import fill_ratios, kth_nearest
 from jfto_planner.routing.kernel.tables import State, Tables, Work
+from jfto_world.compiled import inner
 
 
 @inner

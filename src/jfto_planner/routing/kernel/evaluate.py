@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from jfto_planner.routing.kernel.compiled import inner
 from jfto_planner.routing.kernel.energy import energy_excess, energy_spent
 from jfto_planner.routing.kernel.motion import fill_positions, time_route
 from jfto_planner.routing.kernel.radio import renew_deficits, renew_pairs
@@ -18,6 +17,7 @@ from jfto_planner.routing.kernel.tables import (
     Tables,
     Work,
 )
+from jfto_world.compiled import inlined, inner
 
 
 @inner
@@ -92,7 +92,7 @@ def time_and_length(tables: Tables, cur: State, cand: State, work: Work) -> int:
     return -1 if nothing else first
 
 
-@inner
+@inlined
 def evaluate(
     tables: Tables, weights: np.ndarray, cur: State, cand: State, work: Work, threshold: float
 ) -> float:
@@ -139,7 +139,7 @@ def evaluate(
     return cost
 
 
-@inner
+@inlined
 def accept(cur: State, cand: State, work: Work) -> None:
     """Make a fully evaluated candidate the current state."""
     first = work.first[0]

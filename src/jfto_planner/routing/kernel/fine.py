@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from jfto_planner.routing.kernel.compiled import inner
 from jfto_planner.routing.kernel.evaluate import makespan
 from jfto_planner.routing.kernel.motion import fill_positions
 from jfto_planner.routing.kernel.radio import scan_pair, slot_is_sound
 from jfto_planner.routing.kernel.tables import State, Tables, Work
+from jfto_world.compiled import inlined
 
 
-@inner
+@inlined
 def is_sound(tables: Tables, state: State, work: Work, pos: np.ndarray, mask: np.ndarray) -> bool:
     """Tell whether separation, neighbours and connectivity hold at all 10 N + 1 instants.
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from jfto_planner.routing.kernel.compiled import inner
 from jfto_planner.routing.kernel.prng import Seed, below, uniform
 from jfto_planner.routing.kernel.tables import State, Tables, Work
+from jfto_world.compiled import inner
 
 LONGEST_SEGMENT = 3
 NEIGHBOURS = 12

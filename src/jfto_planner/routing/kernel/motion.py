@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from jfto_planner.routing.kernel.compiled import inner
 from jfto_planner.routing.kernel.tables import State, Tables
+from jfto_world.compiled import inner
 
 
 @inner

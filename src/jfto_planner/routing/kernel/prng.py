@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from jfto_planner.routing.kernel.compiled import inner
+from jfto_world.compiled import inner
 
 Seed = NDArray[np.uint64]
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from jfto_planner.routing.kernel.compiled import inner
 from jfto_planner.routing.kernel.tables import State, Tables, Work
+from jfto_world.compiled import inner
 
 BASE = 0.2
 SLOPE = 2.0

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from jfto_planner.routing.kernel.compiled import inner
 from jfto_planner.routing.kernel.prng import Seed, below, uniform
 from jfto_planner.routing.kernel.tables import LATE, State, Tables, Work
+from jfto_world.compiled import inner
 
 # Figures of the paper: mean number of removed waypoints, longest string, share of split strings,
 # chance that a split string grows further, chance that the recreation overlooks a position.

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.types import Ints
+from jfto_world.kernel_struct import KernelStruct
 
 Floats = NDArray[np.float64]
 
@@ -16,7 +17,8 @@ LENGTH, LATE, RADIO, SEPARATION, ENERGY = range(5)
 TOTALS = 5
 
 
-class Tables(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Tables(KernelStruct):
     """What does not change during a search.
 
     Nodes 0 … W-1 are waypoints, node W + a is the pad of UAV a. `dist` is (M, M) in metres and
@@ -50,7 +52,8 @@ class Tables(NamedTuple):
     exponential: Floats
 
 
-class State(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class State(KernelStruct):
     """Routes and all that follows from them.
 
     `seq` (A, W) holds waypoint indices, the first `size[a]` of row a; `arrival` and `prefix`
@@ -73,7 +76,8 @@ class State(NamedTuple):
     total: Floats
 
 
-class Work(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Work(KernelStruct):
     """Scratch memory of one search thread.
 
     `changed` (A,) marks the routes of the candidate that differ from the current ones, `first` (1,)

@@ -8,7 +8,7 @@ import numpy as np
 
 from jfto_msgs_py.errors import InfeasibleError
 from jfto_msgs_py.types import Array, Flags
-from jfto_world.compiled import kernel
+from jfto_world.compiled import allocating_kernel as kernel
 from jfto_world.motion.arducopter.follower import (
     THRUST,
     clock_step,

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from jfto_msgs_py.types import Array
-from jfto_world.compiled import kernel
+from jfto_world.compiled import allocating_kernel as kernel
 from jfto_world.motion.arducopter.wpnav import GRAVITY_MPS2, Airframe, WpNav
 
 POSITION, VELOCITY = 0, 3  # 3 each, ENU

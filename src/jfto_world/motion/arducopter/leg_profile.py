@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from jfto_msgs_py.types import Array, Flags
-from jfto_world.compiled import kernel
+from jfto_world.compiled import allocating_kernel as kernel
 from jfto_world.motion.arducopter.wpnav import WpNav
 
 UX, UY, UZ = 0, 1, 2  # unit vector of the leg

@@ -13,7 +13,7 @@ import numpy as np
 
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.types import Array
-from jfto_world.compiled import kernel
+from jfto_world.compiled import allocating_kernel as kernel
 from jfto_world.motion.arducopter.closed_loop import Flight, flight_of_record, flown_state
 from jfto_world.motion.arducopter.follower import (
     THRUST,

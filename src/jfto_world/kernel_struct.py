@@ -1,0 +1,117 @@
+"""Records of arrays that a kernel takes as one pointer.
+
+numba takes a named tuple apart: each of its arrays becomes five to nine arguments of every function
+that it is handed to, and a dozen arrays make a function that takes longer to compile for its
+arguments than for what it does. A `KernelStruct` is handed on by its address.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import typeof, types
+from numba.core.typing.templates import AttributeTemplate
+from numba.extending import (
+    NativeValue,
+    infer_getattr,
+    lower_getattr_generic,
+    models,
+    register_model,
+    typeof_impl,
+    unbox,
+)
+
+from jfto_msgs_py.types import Ints
+
+_WORD = ir.IntType(64)
+# numba's description of an array: owner twice, item count and size, address, shape, strides.
+_OWNER = [0, 0]
+
+
+class KernelStruct:
+    """Base of frozen dataclasses whose fields are arrays, numbers and other KernelStructs.
+
+    Kernels read the fields and may write into the arrays. They see the arrays that the fields held
+    when the record was made.
+    """
+
+    def __post_init__(self) -> None:
+        values = [getattr(self, field.name) for field in fields(self)]  # type: ignore[arg-type]
+        words = np.concatenate([_words(value) for value in values])
+        object.__setattr__(self, "_words", words)
+        object.__setattr__(self, "_address", words.ctypes.data)
+
+
+def _words(value: Any) -> Ints:
+    """A value as the 8-byte words of its memory in compiled code."""
+    if isinstance(value, np.ndarray):
+        size = [value.size, value.itemsize]
+        place = [value.ctypes.data, *value.shape, *value.strides]
+        return np.array([*_OWNER, *size, *place], dtype=np.int64)
+    if isinstance(value, KernelStruct):
+        return np.array([value._address], dtype=np.int64)  # type: ignore[attr-defined]
+    if isinstance(value, float):
+        return np.array([value], dtype=np.float64).view(np.int64)
+    return np.array([value], dtype=np.int64)
+
+
+class StructType(types.Type):
+    """Type of a KernelStruct for the compiler: the names and types of its fields."""
+
+    def __init__(self, name: str, members: tuple[tuple[str, types.Type], ...]) -> None:
+        self.members = members
+        # Short, since it becomes part of the name of every function that takes one.
+        digest = hashlib.sha256(repr(members).encode()).hexdigest()[:8]
+        super().__init__(name=f"{name}_{digest}")
+
+    def offset(self, attribute: str) -> int:
+        """Number of words before a field."""
+        count = 0
+        for name, kind in self.members:
+            if name == attribute:
+                break
+            count += len(_OWNER) + 3 + 2 * kind.ndim if isinstance(kind, types.Array) else 1
+        return count
+
+
+@register_model(StructType)
+class _Model(models.OpaqueModel):
+    pass
+
+
+@typeof_impl.register(KernelStruct)
+def _typeof(value: KernelStruct, _context: Any) -> StructType:
+    names = [field.name for field in fields(value)]  # type: ignore[arg-type]
+    members = tuple((name, typeof(getattr(value, name))) for name in names)
+    return StructType(type(value).__name__, members)
+
+
+@unbox(StructType)
+def _unbox(_type: StructType, value: Any, c: Any) -> NativeValue:
+    address = c.pyapi.object_getattr_string(value, "_address")
+    pointer = c.pyapi.long_as_voidptr(address)
+    c.pyapi.decref(address)
+    return NativeValue(pointer)
+
+
+@infer_getattr
+class _Attributes(AttributeTemplate):
+    key = StructType
+
+    def generic_resolve(self, value: StructType, attr: str) -> Any:  # type: ignore[override]
+        return dict(value.members).get(attr)
+
+
+@lower_getattr_generic(StructType)
+def _read(context: Any, builder: Any, kind: StructType, value: Any, attribute: str) -> Any:
+    words = builder.bitcast(value, _WORD.as_pointer())
+    place = builder.gep(words, [ir.Constant(_WORD, kind.offset(attribute))])
+    member = context.get_value_type(dict(kind.members)[attribute])
+    loaded = builder.load(builder.bitcast(place, member.as_pointer()))
+    # Fields never change, so that what is read need not be read again after every write to memory.
+    loaded.set_metadata("invariant.load", builder.module.add_metadata([]))
+    return loaded
