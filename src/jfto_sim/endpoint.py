@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import socket
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from jfto_msgs_py.errors import InputError, JftoError
 from jfto_sim.faults import LinkFaults, LossyPipe
@@ -171,52 +170,42 @@ class TcpEndpoint:
 Endpoint = UdpEndpoint | TcpEndpoint
 
 
-@dataclass(frozen=True)
-class EndpointSpec:
-    """`tcp`, `udp` (listening) or `udpto` (sending), host and port; port 0 takes a free one."""
+def open_endpoint(text: str) -> Endpoint:
+    """Bind `tcp:HOST:PORT`, `udp:HOST:PORT` (listening) or `udpto:HOST:PORT` (sending).
 
-    kind: str
-    host: str
-    port: int
-
-    @classmethod
-    def parse(cls, text: str) -> EndpointSpec:
-        """Read `kind:host:port`."""
-        parts = text.split(":")
-        if len(parts) != 3 or parts[0] not in ("tcp", "udp", "udpto") or not parts[2].isdigit():
-            raise InputError(
-                f"Endpoint '{text}' must be tcp:HOST:PORT, udp:HOST:PORT or udpto:HOST:PORT."
-            )
-        return cls(parts[0], parts[1], int(parts[2]))
-
-    def open(self) -> Endpoint:
-        """Bind it; raises InputError where the address is taken."""
-        try:
-            if self.kind == "tcp":
-                return TcpEndpoint(self.host, self.port)
-            if self.kind == "udp":
-                return UdpEndpoint(self.host, self.port)
-            return UdpEndpoint(self.host, 0, (self.host, self.port))
-        except OSError as error:
-            raise InputError(
-                f"Endpoint {self.kind}:{self.host}:{self.port} cannot be opened: {error}. "
-                "Choose another port."
-            ) from error
+    Port 0 takes a free one. Raises InputError for other texts, and where the address is taken.
+    """
+    kind, _, place = text.partition(":")
+    host, _, port = place.partition(":")
+    if kind not in ("tcp", "udp", "udpto") or not port.isdigit():
+        raise InputError(
+            f"Endpoint '{text}' must be tcp:HOST:PORT, udp:HOST:PORT or udpto:HOST:PORT."
+        )
+    try:
+        if kind == "tcp":
+            return TcpEndpoint(host, int(port))
+        if kind == "udp":
+            return UdpEndpoint(host, int(port))
+        return UdpEndpoint(host, 0, (host, int(port)))
+    except OSError as error:
+        raise InputError(
+            f"Endpoint {text} cannot be opened: {error}. Choose another port."
+        ) from error
 
 
 class Station:
-    """One vehicle with its endpoints and the two lossy directions of each."""
+    """One vehicle with its endpoints (texts as of `open_endpoint`) and both directions of each."""
 
-    def __init__(self, vehicle: Vehicle, specs: Sequence[EndpointSpec], seed: int) -> None:
-        if len(specs) > len(vehicle.ports):
+    def __init__(self, vehicle: Vehicle, endpoints: Sequence[str], seed: int) -> None:
+        if len(endpoints) > len(vehicle.ports):
             raise InputError(
-                f"Vehicle {vehicle.sysid} has {len(vehicle.ports)} ports, not {len(specs)}."
+                f"Vehicle {vehicle.sysid} has {len(vehicle.ports)} ports, not {len(endpoints)}."
             )
         self.vehicle = vehicle
         self.endpoints: list[Endpoint] = []
         try:
-            for spec in specs:
-                self.endpoints.append(spec.open())
+            for text in endpoints:
+                self.endpoints.append(open_endpoint(text))
         except JftoError:
             self.close()
             raise
@@ -225,7 +214,7 @@ class Station:
                 "to": LossyPipe(LinkFaults(), seed * 1000 + 2 * k),
                 "from": LossyPipe(LinkFaults(), seed * 1000 + 2 * k + 1),
             }
-            for k in range(len(specs))
+            for k in range(len(endpoints))
         ]
 
     def mend(self) -> None:

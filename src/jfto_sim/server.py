@@ -16,7 +16,7 @@ from jfto_msgs_py.errors import InputError, JftoError
 from jfto_sim import control
 from jfto_sim.air import FleetAir
 from jfto_sim.config import VehicleConfig
-from jfto_sim.endpoint import EndpointSpec, Station
+from jfto_sim.endpoint import Station
 from jfto_sim.motion.waypoint_nav import warm_up
 from jfto_sim.vehicle import Vehicle
 
@@ -74,10 +74,9 @@ class SimServer:
             for config, texts in zip(configs, settings.endpoints, strict=True):
                 if config.sysid in self.stations:
                     raise InputError(f"Two vehicles have the system id {config.sysid}.")
-                specs = [EndpointSpec.parse(text) for text in texts]
                 vehicle = Vehicle(config)
                 vehicle.params.store("SIM_SPEEDUP", settings.speedup)
-                self.stations[config.sysid] = Station(vehicle, specs, settings.seed + config.sysid)
+                self.stations[config.sysid] = Station(vehicle, texts, settings.seed + config.sysid)
             if settings.control_port is not None:
                 self._control = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
                 self._control.setblocking(False)

@@ -10,7 +10,7 @@ from jfto_msgs_py.errors import InputError
 from jfto_sim import VehicleConfig
 from jfto_sim.config import fleet
 from jfto_sim.dialect import mavlink as m
-from jfto_sim.endpoint import EndpointSpec
+from jfto_sim.endpoint import open_endpoint
 from jfto_sim.server import ServerSettings, SimServer, default_endpoints
 
 PATIENCE_S = 20.0
@@ -158,7 +158,7 @@ def test_cut_link_is_silent(clients):
 def test_wrong_endpoints_are_refused(text):
     """An endpoint is kind:host:port."""
     with pytest.raises(InputError):
-        EndpointSpec.parse(text)
+        open_endpoint(text)
 
 
 def test_wrong_settings_are_refused():
