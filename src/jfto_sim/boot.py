@@ -79,7 +79,7 @@ class Boot:
     loop: FlightLoop
     _at: int = 0
     _stat_s: float = _STAT_FIRST_S
-    _told_flight_s: int = 0
+    _counted_flight_s: int = 0
 
     def __post_init__(self) -> None:
         first = self.boots == 1
@@ -111,15 +111,15 @@ class Boot:
             elif kind == 3:
                 self.position.announce_home()
             else:
-                self.parameters.tell(what, _FIRST_COUNT if kind == 1 else None)
+                self.parameters.announce(what, _FIRST_COUNT if kind == 1 else None)
         if now >= self._stat_s:
             self._stat_s += _STAT_EVERY_S
             self._statistics(now)
 
     def _statistics(self, now: float) -> None:
         flown_s = int(self.loop.flight_time_s)
-        if flown_s != self._told_flight_s:
-            gained, self._told_flight_s = flown_s - self._told_flight_s, flown_s
+        if flown_s != self._counted_flight_s:
+            gained, self._counted_flight_s = flown_s - self._counted_flight_s, flown_s
             total = self.parameters.params["STAT_FLTTIME"] + gained
-            self.parameters.tell_stored("STAT_FLTTIME", total)
-        self.parameters.tell_stored("STAT_RUNTIME", self._run_before_s + int(now))
+            self.parameters.store_and_announce("STAT_FLTTIME", total)
+        self.parameters.store_and_announce("STAT_RUNTIME", self._run_before_s + int(now))

@@ -39,14 +39,14 @@ class Failsafes:
     fence_breach: int = 0
     fence_count: int = 0
     fence_time_s: float = 0.0
-    _station_heard_s: float | None = None
+    _last_heartbeat_s: float | None = None
     _station: bool = False
     _ekf: bool = False
     _ekf_acted: bool = False
-    _variance_told: bool = False
-    _aiding_told: bool = True
+    _variance_reported: bool = False
+    _aiding_reported: bool = True
     _lane_switched: bool = False
-    _thrust_told: bool = False
+    _thrust_reported: bool = False
 
     def __post_init__(self) -> None:
         self.messages: dict[str, MessageHandler] = {"HEARTBEAT": self._heartbeat}
@@ -77,7 +77,7 @@ class Failsafes:
         """A heartbeat of SYSID_MYGCS arrived."""
         if m.get_srcSystem() != self.flight.params["SYSID_MYGCS"]:
             return
-        self._station_heard_s = self.flight.clock.time_s
+        self._last_heartbeat_s = self.flight.clock.time_s
         if self._station:
             self._station = False
             self.flight.ports.text(WARNING, "GCS Failsafe Cleared")
@@ -85,9 +85,9 @@ class Failsafes:
     def _watch_station(self) -> None:
         params = self.flight.params
         action = int(params["FS_GCS_ENABLE"])
-        if action == 0 or self._station_heard_s is None or self._station:
+        if action == 0 or self._last_heartbeat_s is None or self._station:
             return
-        if self.flight.clock.time_s - self._station_heard_s < params["FS_GCS_TIMEOUT"]:
+        if self.flight.clock.time_s - self._last_heartbeat_s < params["FS_GCS_TIMEOUT"]:
             return
         self._station = True
         if not self.flight.motors.armed:
@@ -124,18 +124,18 @@ class Failsafes:
             self._lane_switched = True
             self.flight.ports.text(CRITICAL, "EKF3 lane switch 1")
             self.flight.ports.text(WARNING, "EKF primary changed:1")
-        if lost_s >= VARIANCE_AFTER_S and not self._variance_told and now > 10.0:
-            self._variance_told = True
+        if lost_s >= VARIANCE_AFTER_S and not self._variance_reported and now > 10.0:
+            self._variance_reported = True
             self.flight.ports.text(CRITICAL, "EKF variance")
             self._ekf_lost()
         armed = self.flight.motors.armed
-        if lost_s >= STOPPED_AIDING_AFTER_S and self._aiding_told and not armed:
-            self._aiding_told = False
+        if lost_s >= STOPPED_AIDING_AFTER_S and self._aiding_reported and not armed:
+            self._aiding_reported = False
             self.flight.ports.text(WARNING, "EKF3 IMU0 stopped aiding")
             self.flight.ports.text(WARNING, "EKF3 IMU1 stopped aiding")
         back_s = now - estimator.back_at_s
-        if estimator.gps_present and self._variance_told and back_s >= RECOVERED_AFTER_S:
-            self._variance_told, self._aiding_told = False, True
+        if estimator.gps_present and self._variance_reported and back_s >= RECOVERED_AFTER_S:
+            self._variance_reported, self._aiding_reported = False, True
             self._ekf = False
             if self._ekf_acted:
                 self._ekf_acted = False
@@ -180,6 +180,6 @@ class Failsafes:
     def _watch_thrust(self) -> None:
         body, motors = self.flight.body, self.flight.motors
         body.failed = self.flight.params["SIM_ENGINE_MUL"] < 0.5 and motors.armed
-        if body.failed and not self._thrust_told and motors.failed_for_s > _THRUST_LOSS_AFTER_S:
-            self._thrust_told = True
+        if body.failed and not self._thrust_reported and motors.failed_for_s > _THRUST_LOSS_AFTER_S:
+            self._thrust_reported = True
             self.flight.ports.text(EMERGENCY, "Potential Thrust Loss (1)")

@@ -163,14 +163,14 @@ class ParameterProtocol:
             name.encode(), params[name], params.kind(name), count or params.count, index
         )
 
-    def tell(self, name: str, count: int | None = None) -> None:
+    def announce(self, name: str, count: int | None = None) -> None:
         """PARAM_VALUE to every active port; `count` is how many parameters there are by then."""
         self.ports.broadcast(self._message(name, count=count))
 
-    def tell_stored(self, name: str, value: float) -> None:
-        """Store a value of the vehicle's own and tell it."""
+    def store_and_announce(self, name: str, value: float) -> None:
+        """Store a value and announce it."""
         self.params.store(name, value)
-        self.tell(name)
+        self.announce(name)
 
     def _request_read(self, m: Message, port: int) -> None:
         """By name or index; unknown ones are not answered."""
@@ -200,7 +200,7 @@ class ParameterProtocol:
             self.ports.send(port, self._message(name))
             self.ports.text(WARNING, f"Param write denied ({name})", port)
             return
-        self.tell_stored(name, m.param_value)
+        self.store_and_announce(name, m.param_value)
         self.changed(name)
 
 

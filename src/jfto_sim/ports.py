@@ -41,7 +41,7 @@ class Interval:
 
 
 class Port:
-    """State of one port. `active` becomes true when something valid is heard on it.
+    """State of one port. `active` becomes true when something valid is received on it.
 
     The first port takes every frame, signed or not, as the autopilot's USB port does. `intervals`
     maps message ids to their periods and is lost at a restart, like everything here.
@@ -156,13 +156,13 @@ class Ports:
             self.out.append((port, frame))
 
     def broadcast(self, message: Message, *, everywhere: bool = False) -> None:
-        """Send on every port on which something has been heard, or on all."""
+        """Send on every port on which something has been received, or on all."""
         for port in self.ports:
             if everywhere or port.active:
                 self.send(port.index, message)
 
     def text(self, severity: int, text: str, port: int | None = None) -> None:
-        """STATUSTEXT to one port or to all that have been heard."""
+        """STATUSTEXT to one port or to all active ones."""
         message = mavlink.MAVLink_statustext_message(severity, text.encode()[:TEXT_LENGTH])
         if port is None:
             self.broadcast(message)

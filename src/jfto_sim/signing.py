@@ -2,7 +2,7 @@
 
 The last 6 of the 13 bytes are the head of SHA-256(key + frame + link id + time stamp); time
 stamps are 48-bit counts of 10 microseconds since 2015-01-01 and must rise on each
-(system, component, link). A link not heard before may be at most one minute behind.
+(system, component, link). A new link may be at most one minute behind.
 """
 
 from __future__ import annotations

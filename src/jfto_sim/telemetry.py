@@ -163,14 +163,14 @@ class Telemetry:
             return mavlink.MAVLink_gps_raw_int_message(
                 0, 0, 0, 0, 0, 65535, 65535, 0, 0, 0, 0, 0, 0, 0, 0, 0
             )
-        fix, seen = (6, 10) if self.estimator.gps_present else (1, 3)
+        fix, satellites = (6, 10) if self.estimator.gps_present else (1, 3)
         lat, lon, alt_m = self.flight.position.reported()
         east, north, _ = self.flight.body.velocity_mps
         speed, alt = round(100 * math.hypot(east, north)), round(alt_m * 1000)
         course = round(math.degrees(math.atan2(east, north)) % 360 * 100) % 36000 if speed else 0
         stamp = int(self.flight.clock.time_s * 5) * 200_000 + 3000
         return mavlink.MAVLink_gps_raw_int_message(
-            stamp, fix, lat, lon, alt, 121, 200, speed, course, seen, alt, 300, 300, 40, 0, 0
+            stamp, fix, lat, lon, alt, 121, 200, speed, course, satellites, alt, 300, 300, 40, 0, 0
         )
 
     def attitude(self) -> Message:

@@ -1,6 +1,6 @@
 """One ArduCopter-like vehicle as a pure state machine: no sockets, no wall clock, seeded.
 
-`handle` takes bytes heard on a port, `advance` moves the vehicle's clock and returns the frames
+`handle` takes bytes received on a port, `advance` moves the vehicle's clock and returns the frames
 sent meanwhile. What came in is looked at every 5 ms, as the autopilot's own loop does; the body
 moves in steps of 20 ms.
 """
@@ -127,15 +127,15 @@ class Vehicle:
         self.guided, land = Guided(flight), Land(flight)
         manual = (Manual(flight, Mode.STABILIZE), Manual(flight, Mode.ALT_HOLD))
         modes = (*manual, self.auto, self.guided, Loiter(flight), Rtl(flight), land, Brake(flight))
-        self.modes = Modes(modes, flight, estimator, self._tell_mode)
+        self.modes = Modes(modes, flight, estimator, self._announce_mode)
         self.loop = FlightLoop(flight, battery, self.modes, self.config.wind_mps)
         self.arming = Arming(
-            flight, battery, estimator, self.store, self.modes, self.parameters.tell
+            flight, battery, estimator, self.store, self.modes, self.parameters.announce
         )
         self.failsafes = Failsafes(flight, battery, estimator, self.store, self.modes, land)
 
     def _make_conversations(self) -> None:
-        """What is said unasked, and who answers which message."""
+        """What is sent unasked, and who answers which message."""
         flight, clock, ports = self.flight, self.clock, self.ports
         self.telemetry = Telemetry(
             self.config, flight, self.loop, self.estimator, self.battery, self.modes, self.auto,
@@ -195,7 +195,7 @@ class Vehicle:
         return self.modes.current
 
     def handle(self, data: bytes, port: int = 0) -> None:
-        """Bytes heard on a port; answers come out of `advance` up to 5 ms later."""
+        """Bytes received on a port; answers come out of `advance` up to 5 ms later."""
         if not self.dead and self._dark_s <= 0.0:
             self._inbox.append((port, bytes(data)))
 
@@ -277,7 +277,7 @@ class Vehicle:
             return
         self.key.install(bytes(m.secret_key[:_KEY_BYTES]), m.initial_timestamp)
 
-    def _tell_mode(self) -> None:
+    def _announce_mode(self) -> None:
         self.ports.broadcast(self.telemetry.heartbeat(), everywhere=True)
 
     def _terrain_missing(self) -> None:
@@ -288,7 +288,7 @@ class Vehicle:
         if name.startswith(_LIMITS_OF):
             self.flight.limits.reread()
             if self.auto.active:
-                self.auto.flown.refresh_limits()
+                self.auto.nav_items.refresh_limits()
 
     # --- power ---
 

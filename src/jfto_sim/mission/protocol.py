@@ -32,7 +32,7 @@ class MissionFlyer(Protocol):
     def set_current(self, seq: int) -> bool:
         """Make an item the current one; false if there is no such item."""
 
-    def tell_current(self, port: int) -> None:
+    def send_current(self, port: int) -> None:
         """Send MISSION_CURRENT."""
 
 
@@ -45,9 +45,9 @@ class Upload:
     component: int
     next_seq: int
     last: int
-    heard_s: float
+    received_s: float
     asked_s: float
-    told_of_float: bool = False
+    warned_of_float: bool = False
     gathered: list[Item] = field(default_factory=list)
 
     def is_from(self, m: Message) -> bool:
@@ -70,7 +70,7 @@ class MissionProtocol:
     position: Position
     flyer: MissionFlyer
     uploads: dict[int, Upload] = field(default_factory=dict)
-    _told_of_old_request: bool = False
+    _warned_of_old_request: bool = False
 
     def __post_init__(self) -> None:
         self.messages: dict[str, MessageHandler] = {
@@ -153,7 +153,7 @@ class MissionProtocol:
             self.uploads.pop(kind, None)
             self._ack(m, port, fault)
             return
-        upload.heard_s = self.clock.time_s
+        upload.received_s = self.clock.time_s
         if m.seq >= upload.last:
             self._complete(m, port, upload)
             return
@@ -162,8 +162,8 @@ class MissionProtocol:
 
     def _item(self, m: Message, port: int) -> None:
         upload = self.uploads.get(m.mission_type)
-        if m.mission_type == MISSION and upload and not upload.told_of_float:
-            upload.told_of_float = True
+        if m.mission_type == MISSION and upload and not upload.warned_of_float:
+            upload.warned_of_float = True
             note = "got MISSION_ITEM; GCS should send MISSION_ITEM_INT"
             self.ports.text(WARNING, note, port)
         self._item_int(m, port)
@@ -205,21 +205,21 @@ class MissionProtocol:
         self.store.replace(kind, items)
         if kind == FENCE:
             self.ports.text(DEBUG, "Fence Indexed OK")
-            self.parameters.tell_stored("FENCE_TOTAL", fence_size(items))
+            self.parameters.store_and_announce("FENCE_TOTAL", fence_size(items))
         else:
-            self.parameters.tell_stored("RALLY_TOTAL", len(items))
+            self.parameters.store_and_announce("RALLY_TOTAL", len(items))
 
     def _mission_changed(self) -> None:
         count = float(self.store.count(MISSION))
         if self.parameters.params["MIS_TOTAL"] != count:
-            self.parameters.tell_stored("MIS_TOTAL", count)
+            self.parameters.store_and_announce("MIS_TOTAL", count)
         self.flyer.mission_edited()
 
     @property
     def next_s(self) -> float:
         """When a request is to be repeated, or an upload to be given up."""
         return min(
-            (min(u.asked_s + REPEAT_S, u.heard_s + GIVE_UP_S) for u in self.uploads.values()),
+            (min(u.asked_s + REPEAT_S, u.received_s + GIVE_UP_S) for u in self.uploads.values()),
             default=float("inf"),
         )
 
@@ -227,7 +227,7 @@ class MissionProtocol:
         """Repeat unanswered requests every second, give up 8 s after the last accepted item."""
         now = self.clock.time_s
         for kind, upload in list(self.uploads.items()):
-            if now - upload.heard_s >= GIVE_UP_S - 1e-6:
+            if now - upload.received_s >= GIVE_UP_S - 1e-6:
                 del self.uploads[kind]
                 cancelled = mavlink.MAV_MISSION_OPERATION_CANCELLED
                 sender = (upload.system, upload.component)
@@ -254,7 +254,7 @@ class MissionProtocol:
 
     def _set_current(self, m: Message, port: int) -> None:
         if self.flyer.set_current(m.seq):
-            self.flyer.tell_current(port)
+            self.flyer.send_current(port)
 
     # --- reading back ---
 
@@ -276,8 +276,8 @@ class MissionProtocol:
         item = self._wanted(m, port)
         if item is None:
             return
-        if not self._told_of_old_request:
-            self._told_of_old_request = True
+        if not self._warned_of_old_request:
+            self._warned_of_old_request = True
             note = "got MISSION_REQUEST; use MISSION_REQUEST_INT!"
             self.ports.text(WARNING, note, port)
         self._send_item(mavlink.MAVLink_mission_item_message, m, port, item, 1e-7)

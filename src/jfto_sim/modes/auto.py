@@ -31,8 +31,8 @@ class Auto(FlightMode):
     ) -> None:
         super().__init__(flight)
         self.runner = MissionRunner(store, self, flight.ports)
-        self.flown = NavItems(flight, self.runner.next_nav_after, terrain_missing)
-        self.do = DoItems(flight, camera, self.flown.nav, self.flown.change_speed)
+        self.nav_items = NavItems(flight, self.runner.next_nav_after, terrain_missing)
+        self.do_items = DoItems(flight, camera, self.nav_items.nav, self.nav_items.change_speed)
         self._store = store
         self._camera = camera
         self._may_lift = False
@@ -50,8 +50,8 @@ class Auto(FlightMode):
                 self.flight.ports.text(CRITICAL, "Auto: Missing Takeoff Cmd")
                 return False
         self._waiting = True
-        self.flown.speed_mps = None
-        self.flown.hold()
+        self.nav_items.speed_mps = None
+        self.nav_items.hold()
         return True
 
     def _starts_with_takeoff(self) -> bool:
@@ -65,7 +65,7 @@ class Auto(FlightMode):
     def leave(self) -> None:
         """The mission stops where it is."""
         self.runner.stop()
-        self.flown.nav.paused = False
+        self.nav_items.nav.paused = False
 
     def _motors_stopped(self) -> None:
         self._may_lift = False
@@ -87,17 +87,17 @@ class Auto(FlightMode):
     @property
     def taking_off(self) -> bool:
         """Whether a takeoff item may lift the vehicle."""
-        return self.flown.phase is Phase.TAKEOFF and self._may_lift
+        return self.nav_items.phase is Phase.TAKEOFF and self._may_lift
 
     @property
     def landing(self) -> bool:
         """Whether the present item brings the vehicle down."""
-        return self.flown.landing
+        return self.nav_items.landing
 
     @property
     def goal(self) -> tuple[float, float]:
         """Distance in metres and bearing in degrees to the end of the leg."""
-        return self.flown.nav.distance_m, self.flown.nav.bearing_deg
+        return self.nav_items.nav.distance_m, self.nav_items.nav.bearing_deg
 
     def step(self, dt_s: float) -> None:
         """Run the mission, then the item that is being flown."""
@@ -109,7 +109,7 @@ class Auto(FlightMode):
         self.runner.update()
         self._camera.step()
         if self.taking_off or not self.flight.body.landed:
-            self.flown.step(dt_s)
+            self.nav_items.step(dt_s)
 
     # --- for the mission protocol ---
 
@@ -138,13 +138,13 @@ class Auto(FlightMode):
         elif self.runner.state is RunState.COMPLETE:
             state = 5
         else:
-            state = 4 if self.flown.nav.paused else 3
+            state = 4 if self.nav_items.nav.paused else 3
         total = max(0, self._store.count(MISSION) - 1)
         return mavlink.MAVLink_mission_current_message(
             self.runner.nav or 0, total, state, 1 if self.active else 0
         )
 
-    def tell_current(self, port: int) -> None:
+    def send_current(self, port: int) -> None:
         """Send MISSION_CURRENT."""
         self.flight.ports.send(port, self.current_message())
 
@@ -152,16 +152,18 @@ class Auto(FlightMode):
 
     def mission_complete(self) -> None:
         """Hover where it is; on the ground, stop the motors."""
-        self.flown.hold()
+        self.nav_items.hold()
         if self.flight.body.landed and self.flight.motors.armed:
             self.flight.motors.stop()
 
     def start_item(self, seq: int, item: Item) -> None:
         """Begin an item."""
         if item.is_nav:
-            self.flown.start(seq, item, nose_free=not (self.do.watching or self._turning()))
+            self.nav_items.start(
+                seq, item, nose_free=not (self.do_items.watching or self._turning())
+            )
         else:
-            self.do.start(item)
+            self.do_items.start(item)
 
     def _turning(self) -> bool:
         """Whether the item behind the last waypoint is a CONDITION_YAW, which holds on this leg."""
@@ -170,4 +172,4 @@ class Auto(FlightMode):
 
     def item_done(self, seq: int, item: Item) -> bool:
         """Whether an item is finished."""
-        return self.flown.done(seq, item) if item.is_nav else self.do.done(item)
+        return self.nav_items.done(seq, item) if item.is_nav else self.do_items.done(item)

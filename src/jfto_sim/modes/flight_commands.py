@@ -77,14 +77,14 @@ class FlightCommands:
             return DENIED
         if not self.auto.active:
             return FAILED
-        self.auto.flown.nav.paused = c.p[0] == 0.0
+        self.auto.nav_items.nav.paused = c.p[0] == 0.0
         return ACCEPTED
 
     def _change_speed(self, c: Command) -> int:
         if not 0 < c.p[1] < _SPEED_MAX_MPS:
             return FAILED
         if self.auto.active:
-            self.auto.flown.change_speed(c.p[1], c.whole(0))
+            self.auto.nav_items.change_speed(c.p[1], c.whole(0))
         else:
             self.flight.limits.speed_mps = c.p[1]
         return ACCEPTED
@@ -109,16 +109,16 @@ class FlightCommands:
         return ACCEPTED
 
     def _look_at(self, c: Command) -> int:
-        self.auto.do.look_at(c.x, c.y)
+        self.auto.do_items.look_at(c.x, c.y)
         return ACCEPTED
 
     def _look_nowhere(self, _c: Command) -> int:
-        self.auto.do.look_ahead()
+        self.auto.do_items.look_ahead()
         return ACCEPTED
 
     def _set_mission_current(self, c: Command) -> int:
         seq = c.p[0]
         if not (math.isfinite(seq) and seq >= 0) or not self.auto.set_current(int(seq)):
             return DENIED
-        self.auto.tell_current(c.port)
+        self.auto.send_current(c.port)
         return ACCEPTED

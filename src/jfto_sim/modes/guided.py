@@ -47,7 +47,7 @@ class Guided(FlightMode):
         self._goal = Goal.NONE
         self._position = [0.0, 0.0, 0.0]
         self._velocity = [0.0, 0.0, 0.0]
-        self._told_s = 0.0
+        self._target_at_s = 0.0
         self.messages: dict[str, MessageHandler] = {
             "SET_POSITION_TARGET_LOCAL_NED": lambda m, _port: self._local_ned(m),
             "SET_POSITION_TARGET_GLOBAL_INT": lambda m, _port: self._global_int(m),
@@ -90,7 +90,7 @@ class Guided(FlightMode):
             self._goal = Goal.ACCELERATION
         if before is not self._goal or before in (Goal.NONE, Goal.TAKEOFF):
             self._mover.reset()
-        self._told_s = self.flight.clock.time_s
+        self._target_at_s = self.flight.clock.time_s
         if position is not None:
             self._position = list(position)
         self._velocity = list(velocity or (0.0, 0.0, 0.0))
@@ -181,7 +181,7 @@ class Guided(FlightMode):
         if self._goal is Goal.WAYPOINT:
             self._nav.step(dt_s)
             return
-        silent_s = self.flight.clock.time_s - self._told_s
+        silent_s = self.flight.clock.time_s - self._target_at_s
         moving = self._goal in (Goal.MOVING, Goal.VELOCITY, Goal.ACCELERATION)
         if moving and silent_s > self.flight.params["GUID_TIMEOUT"]:
             self._velocity, self.accel = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]

@@ -98,8 +98,8 @@ class Heading:
             self.demand_deg = wrap_360(self.demand_deg + self.rate_dps * dt_s)
         elif self.mode in (YawMode.ALONG_TRACK, YawMode.PLACE):
             self._slew(self._wanted(position_m, velocity_mps), dt_s)
-        told = self.mode in (YawMode.RATE, YawMode.STREAM)
-        return self.demand_deg, wrap_180(self.demand_deg - before) / dt_s if told else 0.0
+        fed = self.mode in (YawMode.RATE, YawMode.STREAM)
+        return self.demand_deg, wrap_180(self.demand_deg - before) / dt_s if fed else 0.0
 
     def _wanted(self, position_m: tuple[float, float], velocity_mps: tuple[float, float]) -> float:
         if self.mode is YawMode.PLACE:
