@@ -31,7 +31,7 @@ from jfto_power.horizon import EnergyBook, plan_horizon
 from jfto_power.power_options import PowerOptions
 from jfto_topology.horizon import HorizonSettings, TopologyHorizon
 from jfto_topology.links import SPREADS, Links
-from jfto_topology.topology_options import TopologyOptions
+from jfto_topology.options import TopologyOptions
 from jfto_world.motion.fleet_prediction import FleetPrediction
 from jfto_world.radio import LossEstimate
 from virtual_flight import START_NS, STEPS_PER_SLOT, Errors, Pilot, Score, World, fly

@@ -17,10 +17,11 @@ from jfto_msgs_py.radio import Radio
 from jfto_msgs_py.units import dbm_to_w
 from jfto_power.allocation import allocate
 from jfto_power.shortage import EnergyShortage
-from jfto_topology.a_lmst import a_lmst
-from jfto_topology.cpapo import cpapo
-from jfto_topology.ctop import ctop
-from jfto_topology.kept_intervals import kept_intervals
+from jfto_topology.algorithms.cpapo import cpapo
+from jfto_topology.algorithms.ctop import ctop
+from jfto_topology.algorithms.intervals import kept_intervals
+from jfto_topology.algorithms.lmst import a_lmst
+from jfto_topology.algorithms.mtp import mtp
 from jfto_topology.metrics import (
     average_hops,
     connectivity_rate,
@@ -29,7 +30,6 @@ from jfto_topology.metrics import (
     total_throughput,
     traverses_all,
 )
-from jfto_topology.mtp import mtp
 from jfto_world.radio import make_channel, pairwise_distances
 from random_fleet import wandering_fleet
 

@@ -19,7 +19,7 @@ from jfto_msgs_py.units import dbm_to_w
 from jfto_power.allocation import allocate
 from jfto_power.kkt import kkt_residual, objective_bps
 from jfto_power.reference import ReferenceAllocator
-from jfto_topology.ctop import ctop
+from jfto_topology.algorithms.ctop import ctop
 from jfto_world.radio import make_channel, pairwise_distances
 from random_fleet import wandering_fleet
 

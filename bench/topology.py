@@ -18,10 +18,9 @@ import time
 
 from jfto_msgs_py.radio import Radio
 from jfto_msgs_py.units import dbm_to_w
-from jfto_topology.a_lmst import a_lmst
-from jfto_topology.cpapo import cpapo
-from jfto_topology.ctop import ctop
-from jfto_topology.energy_floor import energy_floor
+from jfto_topology.algorithms.cpapo import cpapo
+from jfto_topology.algorithms.ctop import ctop, energy_floor
+from jfto_topology.algorithms.lmst import a_lmst
 from jfto_world.radio import make_channel
 from random_fleet import wandering_fleet
 
@@ -33,7 +32,7 @@ K_MIN, DELTA, SLOT_S = 2, 2, 3.0
 FIRST_CALL = """
 import time
 import numpy as np
-from jfto_topology.ctop import ctop
+from jfto_topology.algorithms.ctop import ctop
 from jfto_world.radio import LogDistanceChannel
 start = time.perf_counter()
 positions = np.random.default_rng(0).uniform(0, 9, (2, 8, 3))

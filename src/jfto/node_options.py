@@ -10,7 +10,7 @@ from jfto_msgs_py.scenario.options import option_keys
 from jfto_planner.planner_options import PlannerOptions
 from jfto_power.power_options import PowerOptions
 from jfto_power.radio_options import RadioOptions
-from jfto_topology.topology_options import TopologyOptions
+from jfto_topology.options import TopologyOptions
 
 NODE_OPTIONS: dict[str, dict[str, Key]] = {
     "planner_node": option_keys(PlannerOptions),

@@ -37,7 +37,7 @@ def topology_node(arguments: Arguments = None) -> int:
 
     def make() -> Any:
         from jfto.planning.terrain import dem_of
-        from jfto_topology.topology_node import TopologyNode
+        from jfto_topology.node.topology_node import TopologyNode
 
         return TopologyNode(dem_of)
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.types import Array
-from jfto_topology.ctop import Topology
+from jfto_topology.algorithms.ctop import Topology
 
 
 def affordable(

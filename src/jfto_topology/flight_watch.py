@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from jfto_msgs_py.episodes import Episodes
 from jfto_msgs_py.records.event import ERROR, INFO, WARN, Event
-from jfto_topology.ctop import ctop
+from jfto_topology.algorithms.ctop import ctop
 from jfto_topology.horizon import HorizonTopology
 from jfto_topology.links import Links
 from jfto_topology.look_ahead import Danger, Rules, energy_danger, look_ahead

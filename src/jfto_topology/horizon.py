@@ -8,7 +8,7 @@ import numpy as np
 
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.network import Adjacency, PowerIntervals, SlotHorizon
-from jfto_topology.ctop import Topology
+from jfto_topology.algorithms.ctop import Topology
 from jfto_topology.links import Links
 from jfto_topology.slot_clock import SlotClock
 from jfto_world.motion.fleet_prediction import FleetPrediction

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from jfto_topology.ctop import ctop
-from jfto_topology.guarded_gain import guarded_gain
-from jfto_topology.links import Links
+from jfto_topology.algorithms.ctop import ctop
+from jfto_topology.links import Links, guarded_gain
 from jfto_world.radio import LogDistanceChannel, degrees, mutual_links
 
 # With gain 1 at 1 m and this sensitivity, 1 W reaches 1000 m and p watts √p × 1000 m.

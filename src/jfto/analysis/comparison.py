@@ -12,12 +12,12 @@ from jfto.planning.network import Network, network_of, power_of, topology_of
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.types import Array, Flags
 from jfto_power.allocation import Allocation
-from jfto_topology.a_lmst import a_lmst
-from jfto_topology.cpapo import cpapo
-from jfto_topology.ctop import Topology
+from jfto_topology.algorithms.cpapo import cpapo
+from jfto_topology.algorithms.ctop import Topology
+from jfto_topology.algorithms.lmst import a_lmst
+from jfto_topology.algorithms.mtp import mtp
+from jfto_topology.algorithms.powered import PoweredTopology
 from jfto_topology.metrics import average_hops, connectivity_rate, energy_used, slot_throughput
-from jfto_topology.mtp import mtp
-from jfto_topology.powered import PoweredTopology
 from jfto_world.radio import degrees
 
 OURS = "C-TOP"

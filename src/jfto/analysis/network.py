@@ -13,8 +13,7 @@ from jfto.analysis.record import RecordedFlight
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.types import Array, Flags
 from jfto_msgs_py.units import dbm_to_w
-from jfto_topology.metrics import average_hops, connectivity_rate, slot_throughput
-from jfto_topology.metrics.hops import hop_counts
+from jfto_topology.metrics import average_hops, connectivity_rate, hop_counts, slot_throughput
 from jfto_world.radio import degrees, make_channel, mutual_links, pairwise_distances
 
 MEASURED = "measured by the simulated air"

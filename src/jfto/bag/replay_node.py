@@ -116,7 +116,7 @@ class ReplayEdges:
 
 
 def _topology() -> Any:
-    from jfto_topology.topology_node import TopologyNode
+    from jfto_topology.node.topology_node import TopologyNode
 
     return TopologyNode
 

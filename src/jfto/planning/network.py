@@ -14,8 +14,7 @@ from jfto_msgs_py.types import Array
 from jfto_msgs_py.units import dbm_to_w
 from jfto_power.allocation import Allocation, allocate, allocate_prefix
 from jfto_power.shortage import EnergyShortage
-from jfto_topology.ctop import Topology, ctop
-from jfto_topology.energy_floor import energy_floor
+from jfto_topology.algorithms.ctop import Topology, ctop, energy_floor
 from jfto_world.radio import LogDistanceChannel, make_channel, pairwise_distances
 
 EnergyFloor = Callable[[Array, float], Array]

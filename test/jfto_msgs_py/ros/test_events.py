@@ -9,7 +9,7 @@ from jfto_msgs_py.errors import MessageError
 from jfto_msgs_py.records.event import ERROR, INFO, WARN, Event
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.events import EventLimit, decode_event, encode_event
-from jfto_topology.topology_node import TopologyNode
+from jfto_topology.node.topology_node import TopologyNode
 from support.graph import Graph
 
 

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jfto_msgs_py.types import Array
-from jfto_topology.powered import PoweredTopology, played_out
-from jfto_topology.required_power import checked_caps, required_powers
+from jfto_topology.algorithms.powered import PoweredTopology, played_out
+from jfto_topology.algorithms.required_power import checked_caps, required_powers
 from jfto_world.radio import Channel
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from visualization_msgs.msg import Marker
 
-from jfto_topology.markers import LINK_LOOKS, FleetMarkers, Scene
+from jfto_topology.node.markers import LINK_LOOKS, FleetMarkers, Scene
 
 
 def _scene(margin_db: float, linked: tuple[str, ...] = ("uav1", "uav2")) -> Scene:

@@ -7,11 +7,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jfto_msgs_py.errors import InputError
-from jfto_topology.a_lmst import a_lmst
-from jfto_topology.backbone import backbones
-from jfto_topology.cpapo import cpapo
-from jfto_topology.kept_intervals import kept_intervals
-from jfto_topology.mtp import mtp
+from jfto_topology.algorithms.backbone import backbones
+from jfto_topology.algorithms.cpapo import cpapo
+from jfto_topology.algorithms.intervals import kept_intervals
+from jfto_topology.algorithms.lmst import a_lmst
+from jfto_topology.algorithms.mtp import mtp
 from jfto_world.radio import LogDistanceChannel, mutual_links, pairwise_distances
 
 CHANNEL = LogDistanceChannel(1e-4)

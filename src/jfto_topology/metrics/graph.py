@@ -1,6 +1,8 @@
-"""Who still hears whom, also when one UAV drops out."""
+"""Who hears whom: components, also when one UAV drops out, neighbours and hops."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,6 +10,23 @@ from numpy.typing import NDArray
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.types import Flags
 from jfto_world.compiled import allocating_kernel as kernel
+from jfto_world.radio import degrees
+
+
+@dataclass(frozen=True)
+class DegreeStatistics:
+    """Neighbours over all UAVs and slots.
+
+    `histogram[k]` is the share with k neighbours (A,); `below` and `above` the shares outside
+    K_min and K_min + δ.
+    """
+
+    least: int
+    mean: float
+    most: int
+    below: float
+    above: float
+    histogram: NDArray[np.float64]
 
 
 def connectivity_rate(adjacency: Flags, first_slot: int, on_air: Flags | None = None) -> float:
@@ -68,3 +87,52 @@ def components(adjacency: Flags, present: Flags) -> NDArray[np.int64]:
                         depth += 1
             count += 1
     return label
+
+
+def degree_statistics(adjacency: NDArray[np.bool_], k_min: int, delta: int) -> DegreeStatistics:
+    """Degree statistics of a topology (M, A, A), which must hold at least one slot and UAV."""
+    degree = degrees(adjacency)
+    counts = np.bincount(degree.ravel(), minlength=adjacency.shape[1])
+    return DegreeStatistics(
+        least=int(degree.min()),
+        mean=float(degree.mean()),
+        most=int(degree.max()),
+        below=float((degree < k_min).mean()),
+        above=float((degree > k_min + delta).mean()),
+        histogram=counts / degree.size,
+    )
+
+
+def average_hops(adjacency: NDArray[np.bool_]) -> float:
+    """Mean shortest-path length over ordered pairs and slots; inf if any slot is disconnected.
+
+    `adjacency` is (M, A, A), symmetric. 0 for a single UAV.
+    """
+    hops = hop_counts(np.ascontiguousarray(adjacency))
+    pairs = hops.shape[0] * hops.shape[1] * (hops.shape[1] - 1)
+    if not pairs:
+        return 0.0
+    # The diagonal is 0, and -1 marks a pair without a path.
+    return float("inf") if (hops < 0).any() else float(hops.sum() / pairs)
+
+
+@kernel
+def hop_counts(adjacency: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Links on the shortest path between all pairs, (M, A, A); -1 where there is none."""
+    slots, uavs, _ = adjacency.shape
+    hops = np.full((slots, uavs, uavs), -1, dtype=np.int64)
+    queue = np.empty(uavs, dtype=np.int64)
+    for m in range(slots):
+        for origin in range(uavs):
+            hops[m, origin, origin] = 0
+            queue[0] = origin
+            head, tail = 0, 1
+            while head < tail:
+                a = queue[head]
+                head += 1
+                for b in range(uavs):
+                    if adjacency[m, a, b] and hops[m, origin, b] < 0:
+                        hops[m, origin, b] = hops[m, origin, a] + 1
+                        queue[tail] = b
+                        tail += 1
+    return hops

@@ -20,7 +20,7 @@ from jfto_msgs_py.ros.events import decode_event
 from jfto_msgs_py.ros.network import decode_adjacency, decode_power_intervals
 from jfto_msgs_py.ros.vehicle import encode_pose, encode_trajectory
 from jfto_sim.air import Air, AirMember, AirSettings
-from jfto_topology.topology_node import TopologyNode
+from jfto_topology.node.topology_node import TopologyNode
 from support.fleets import START_NS, at, eastward, pose
 from support.graph import Graph
 

@@ -5,7 +5,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jfto_topology.backbone import backbones
+from jfto_topology.algorithms.backbone import backbones
 
 
 @settings(max_examples=100, deadline=None, derandomize=True)

@@ -7,8 +7,8 @@ import pytest
 from visualization_msgs.msg import Marker, MarkerArray
 
 from jfto_msgs_py.ros import qos, topics
-from jfto_topology.terrain_mesh import CELLS_MAX, terrain_triangles
-from jfto_topology.topology_node import TopologyNode
+from jfto_topology.node.terrain_mesh import CELLS_MAX, terrain_triangles
+from jfto_topology.node.topology_node import TopologyNode
 from jfto_world.terrain import Dem, load_dem
 from support.graph import Graph
 

@@ -29,10 +29,10 @@ from jfto_topology.fleet_events import FleetEvents
 from jfto_topology.flight_watch import FlightWatch
 from jfto_topology.horizon import HorizonSettings, HorizonTopology, TopologyHorizon
 from jfto_topology.links import SPREADS, Links
-from jfto_topology.markers import FleetMarkers, Scene
-from jfto_topology.terrain_mesh import encode_terrain
-from jfto_topology.topology_options import TopologyOptions
-from jfto_topology.topology_status import Heard, about_node, about_uav
+from jfto_topology.node.markers import FleetMarkers, Scene
+from jfto_topology.node.statuses import Heard, about_node, about_uav
+from jfto_topology.node.terrain_mesh import encode_terrain
+from jfto_topology.options import TopologyOptions
 from jfto_world.motion.fleet_plan import FleetPlan
 from jfto_world.motion.fleet_prediction import FleetPrediction
 from jfto_world.radio import LossEstimate, make_channel, pairwise_distances

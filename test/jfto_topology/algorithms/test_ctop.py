@@ -7,8 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jfto_msgs_py.errors import InputError
-from jfto_topology.ctop import ctop, ctop_of_gain
-from jfto_topology.energy_floor import energy_floor
+from jfto_topology.algorithms.ctop import ctop, ctop_of_gain, energy_floor
 from jfto_world.radio import LogDistanceChannel, mutual_links, pairwise_distances
 
 # 1 W reaches 1000 m.

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jfto_msgs_py.types import Array, Flags
-from jfto_topology.backbone import backbones
-from jfto_topology.powered import PoweredTopology, played_out
-from jfto_topology.required_power import required_powers
+from jfto_topology.algorithms.backbone import backbones
+from jfto_topology.algorithms.powered import PoweredTopology, played_out
+from jfto_topology.algorithms.required_power import required_powers
 from jfto_world.compiled import allocating_kernel as kernel
 from jfto_world.radio import Channel
 

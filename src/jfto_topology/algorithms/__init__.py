@@ -1,0 +1,1 @@
+"""Topology control: C-TOP, the baselines, and what they are made of."""

@@ -1,0 +1,1 @@
+"""The topology node: messages in and out of the core, markers, diagnostics."""
