@@ -80,6 +80,18 @@ class Comparison:
         """C-TOP's result."""
         return next(result for result in self.results if result.name == OURS)
 
+    def table(self) -> str:
+        """The figures as plain text, one line per algorithm."""
+        lines = [f"{'':8} {'Mb/s':>9} {'ξ %':>7} {'hops':>6} {'neighbours':>11} {'all fly':>8}"]
+        for each in self.results:
+            linked, span = each.linked, f"{each.degree.min()}–{each.degree.max()}"
+            lines.append(
+                f"{each.name:8} {linked.mean_throughput_mbps:9.4g} "
+                f"{100 * linked.connectivity_rate:7.1f} {linked.hops:6.2f} {span:>11} "
+                f"{'yes' if each.traverses_all else 'no':>8}"
+            )
+        return "\n".join([*lines, *self.notes])
+
 
 def compare(plan: Plan, n_dc: int, progress: Progress = SILENT) -> Comparison:
     """All algorithms on the plan's positions and budgets; raises InputError."""

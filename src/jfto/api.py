@@ -1,0 +1,245 @@
+"""The Python face: from a scenario to a plan, and what its network is worth.
+
+>>> import jfto
+>>> plan = jfto.plan("config/demo.yaml", seed=1)
+>>> print(jfto.compare(plan).table())
+
+Below it are the rooms for people who bring arrays: `jfto_topology.algorithms`, `jfto_power`,
+`jfto_planner`. Nothing here needs ROS or a vehicle.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from jfto.console.progress import SILENT, Progress
+from jfto.planning.scenario_file import LoadedScenario
+from jfto.planning.scenario_file import load_scenario as _load
+from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.plan import Plan
+
+if TYPE_CHECKING:
+    from jfto.analysis.comparison import Comparison
+    from jfto_planner.coverage.plan_coverage import Coverage
+    from jfto_power.allocation import Allocation
+    from jfto_topology.ctop import Topology
+
+ScenarioLike = str | Path | LoadedScenario
+
+
+def load_scenario(path: str | Path, overrides: Mapping[str, Any] | None = None) -> LoadedScenario:
+    """Scenario of a parameter file.
+
+    Parameters
+    ----------
+    path
+        ROS 2 parameter file, as in `config/`.
+    overrides
+        Values by key on top of the file's, such as ``{"network.k_min": 1}``.
+
+    Returns
+    -------
+    LoadedScenario
+        The validated scenario, and the file that its paths are resolved against.
+
+    Raises
+    ------
+    ScenarioError
+        Lists every unknown key and every value out of range.
+    """
+    return _load(path, [f"{key}={json.dumps(value)}" for key, value in (overrides or {}).items()])
+
+
+def cover(scenario: ScenarioLike, progress: Progress = SILENT) -> Coverage:
+    """Camera waypoints over a scenario's ground, with their certificate.
+
+    Parameters
+    ----------
+    scenario
+        A loaded scenario or the path of one, whose ``waypoints.source`` is ``coverage``.
+    progress
+        Hears of stages and shares done.
+
+    Returns
+    -------
+    Coverage
+        Waypoints (ENU metres about the origin, yaw and pitch in degrees) and the share seen.
+
+    Raises
+    ------
+    InputError
+        The terrain or camera cannot be used, or waypoints are given rather than computed.
+    """
+    from jfto.planning.survey import survey
+
+    loaded = _loaded(scenario)
+    found = survey(loaded, progress).coverage
+    if found is None:
+        raise InputError(
+            f"{loaded.path}: waypoints.source is {loaded.scenario.waypoints.source}, so there is no "
+            "coverage to compute. Set it to coverage."
+        )
+    return found
+
+
+def plan(
+    scenario: ScenarioLike,
+    *,
+    seed: int | None = None,
+    warm_start: Plan | None = None,
+    progress: Progress = SILENT,
+) -> Plan:
+    """Routes over a scenario's waypoints under its radio rules, timed as flown, and certified.
+
+    Parameters
+    ----------
+    scenario
+        A loaded scenario or the path of one.
+    seed
+        Seed of the search, the scenario's where None; the same gives the same bytes.
+    warm_start
+        An earlier plan of the same waypoints and fleet to improve.
+    progress
+        Hears of stages and shares done.
+
+    Returns
+    -------
+    Plan
+        With its `certificate`, which names every violation where the rules cannot be kept.
+
+    Raises
+    ------
+    InfeasibleError
+        The starts or the wind leave no plan at all.
+    InputError
+        Terrain, waypoints or `warm_start` cannot be used.
+    """
+    from jfto.planning.routes import plan_routes
+    from jfto.planning.survey import survey
+
+    loaded = _loaded(scenario)
+    if seed is not None:
+        search = replace(loaded.scenario.search, seed=seed)
+        loaded = replace(loaded, scenario=replace(loaded.scenario, search=search))
+    return plan_routes(loaded.scenario, survey(loaded, progress), progress, warm_start).plan
+
+
+def topology(plan: Plan) -> Topology:
+    """Neighbours and transmit-power intervals of every slot by C-TOP (Alg. 2).
+
+    Parameters
+    ----------
+    plan
+        A plan; its positions, radio, K_min and δ are used.
+
+    Returns
+    -------
+    Topology
+        `adjacency` (N + 1, A, A), power bounds (N + 1, A) in W, and what could not be kept.
+
+    Raises
+    ------
+    InputError
+        The plan's arrays make no network.
+    """
+    from jfto.planning.network import network_of, topology_of
+
+    return topology_of(plan, network_of(plan))
+
+
+def power(plan: Plan) -> Allocation:
+    """Transmit powers that maximise throughput within C-TOP's intervals and the energy (P4).
+
+    Parameters
+    ----------
+    plan
+        A plan; its energy budgets are used.
+
+    Returns
+    -------
+    Allocation
+        `power_w` (N + 1, A); where the energy does not last, of the longest prefix that it does for.
+
+    Raises
+    ------
+    InputError
+        The plan's arrays make no network.
+    """
+    from jfto.planning.network import network_of, power_of, topology_of
+
+    network = network_of(plan)
+    return power_of(plan, network, topology_of(plan, network))[0]
+
+
+def compare(plan: Plan, *, n_dc: int | None = None, progress: Progress = SILENT) -> Comparison:
+    """C-TOP with exact powers beside MTP, A-LMST and CPAPO on one plan.
+
+    Parameters
+    ----------
+    plan
+        A plan.
+    n_dc
+        First slot that counts for the connectivity rate ξ; None for 3/10 of the slots, the paper's
+        45 of 150.
+    progress
+        Hears of stages.
+
+    Returns
+    -------
+    Comparison
+        Links, powers and metrics of each; `table()` for reading.
+
+    Raises
+    ------
+    InputError
+        The plan's arrays make no network.
+    """
+    from jfto.analysis.comparison import compare as compared
+
+    first = round(0.3 * plan.slots.count) if n_dc is None else n_dc
+    return compared(plan, first, progress)
+
+
+def report(
+    scenario: ScenarioLike, plan: Plan, directory: str | Path, progress: Progress = SILENT
+) -> Path:
+    """Comparison, figures and one offline HTML page of a plan.
+
+    Parameters
+    ----------
+    scenario
+        The plan's scenario, for terrain and camera.
+    plan
+        A plan.
+    directory
+        Where to write; made if it is not there.
+    progress
+        Hears of stages.
+
+    Returns
+    -------
+    Path
+        The page.
+
+    Raises
+    ------
+    JftoError
+        The terrain cannot be read or the directory not be written.
+    """
+    from jfto.pipeline.run import Pipeline, Run, save_plan
+
+    directory = Path(directory)
+    directory.mkdir(parents=True, exist_ok=True)
+    pipeline = Pipeline(_loaded(scenario), directory, progress)
+    path = save_plan(plan, directory / "plan.json")
+    page = pipeline.report(Run(plan, path)).report
+    assert page is not None
+    return page
+
+
+def _loaded(scenario: ScenarioLike) -> LoadedScenario:
+    return scenario if isinstance(scenario, LoadedScenario) else _load(scenario)
