@@ -11,7 +11,7 @@ from jfto_sim.dialect import INFO
 from jfto_sim.flight import Flight
 from jfto_sim.mission import items as kinds
 from jfto_sim.mission.items import Item
-from jfto_sim.modes.manoeuvres import Takeoff
+from jfto_sim.modes.mode import Takeoff
 from jfto_sim.modes.simple import Land, Rtl
 from jfto_sim.motion.waypoint_nav import WaypointNav
 from jfto_world.motion.arducopter.wpnav import WpNav

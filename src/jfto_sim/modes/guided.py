@@ -7,8 +7,7 @@ from enum import Enum
 
 from jfto_sim.dialect import Message
 from jfto_sim.flight import Flight
-from jfto_sim.modes.manoeuvres import Mover, Takeoff
-from jfto_sim.modes.mode import FlightMode, Mode
+from jfto_sim.modes.mode import FlightMode, Mode, Mover, Takeoff
 from jfto_sim.motion.heading import YawMode
 from jfto_sim.motion.waypoint_nav import WaypointNav
 from jfto_sim.ports import MessageHandler

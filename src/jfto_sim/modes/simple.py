@@ -9,8 +9,7 @@ import math
 from enum import Enum
 
 from jfto_sim.flight import Flight
-from jfto_sim.modes.manoeuvres import Mover
-from jfto_sim.modes.mode import FlightMode, Mode
+from jfto_sim.modes.mode import FlightMode, Mode, Mover
 from jfto_sim.motion.shaping import sqrt_controller
 from jfto_sim.motion.waypoint_nav import WaypointNav
 from jfto_world.motion.arducopter.wpnav import WpNav

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from jfto_msgs_py.errors import InputError
-from jfto_sim.air.channel import AirSettings, Shadowing
+from jfto_sim.channel import AirSettings, Shadowing
 
 
 def walk(settings, steps, step_m, dt_s=0.0, uavs=12):

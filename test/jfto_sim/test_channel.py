@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from jfto_sim.air.channel import delivery_share, knife_edge_loss_db, terrain_loss_db
+from jfto_sim.channel import delivery_share, knife_edge_loss_db, terrain_loss_db
 from support.slow_error import SlowError
 
 
