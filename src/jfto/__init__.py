@@ -1,4 +1,4 @@
-"""Plan and fly a fleet of multirotors that keeps a live mesh; `jfto.api` is what a notebook sees."""
+"""Plan and fly multirotors that keep a live mesh; `jfto.api` is what a notebook sees."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from jfto.analysis.comparison import Comparison
     from jfto_planner.coverage.plan_coverage import Coverage
     from jfto_power.allocation import Allocation
-    from jfto_topology.ctop import Topology
+    from jfto_topology.algorithms.ctop import Topology
 
 ScenarioLike = str | Path | LoadedScenario
 
@@ -51,7 +51,8 @@ def load_scenario(path: str | Path, overrides: Mapping[str, Any] | None = None) 
     ScenarioError
         Lists every unknown key and every value out of range.
     """
-    return _load(path, [f"{key}={json.dumps(value)}" for key, value in (overrides or {}).items()])
+    given = (overrides or {}).items()
+    return _load(path, [f"{k}={v if isinstance(v, str) else json.dumps(v)}" for k, v in given])
 
 
 def cover(scenario: ScenarioLike, progress: Progress = SILENT) -> Coverage:
@@ -80,8 +81,8 @@ def cover(scenario: ScenarioLike, progress: Progress = SILENT) -> Coverage:
     found = survey(loaded, progress).coverage
     if found is None:
         raise InputError(
-            f"{loaded.path}: waypoints.source is {loaded.scenario.waypoints.source}, so there is no "
-            "coverage to compute. Set it to coverage."
+            f"{loaded.path}: waypoints.source is {loaded.scenario.waypoints.source}, so there is "
+            "no coverage to compute. Set it to coverage."
         )
     return found
 
@@ -162,7 +163,7 @@ def power(plan: Plan) -> Allocation:
     Returns
     -------
     Allocation
-        `power_w` (N + 1, A); where the energy does not last, of the longest prefix that it does for.
+        `power_w` (N + 1, A); where the energy does not last, of the slots that it lasts for.
 
     Raises
     ------

@@ -27,6 +27,8 @@ def test_without_wheels_nothing_changes():
 
 def test_a_shell_hears_nothing_of_the_wheels():
     """The environment of this process, as a foreign program would get it."""
-    shown = subprocess.run(["env"], env=foreign_environment(), capture_output=True, text=True)
+    shown = subprocess.run(
+        ["env"], env=foreign_environment(), capture_output=True, text=True, check=True
+    )
     assert GUARD not in shown.stdout
     assert str(Path(sys.prefix) / "lib") not in shown.stdout.partition("LD_LIBRARY_PATH=")[2]

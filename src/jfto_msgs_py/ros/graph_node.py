@@ -8,7 +8,7 @@ from typing import Any, Generic, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import Log
-from rclpy.clock import Clock
+from rclpy.clock import Clock, ROSClock
 from rclpy.clock_type import ClockType
 from rclpy.lifecycle import LifecycleNode, LifecyclePublisher, TransitionCallbackReturn
 
@@ -112,7 +112,8 @@ class GraphNode(LifecycleNode, Generic[Options]):
         if pose is None or now_ns == 0:
             return pose
         ahead_s = (pose.stamp_ns - now_ns) / 1e9
-        simulated = self.get_clock().ros_time_is_active
+        clock = self.get_clock()
+        simulated = isinstance(clock, ROSClock) and clock.ros_time_is_active
         if ahead_s > (_AHEAD_SIMULATED_S if simulated else _AHEAD_S):
             error = MessageError("header.stamp", f"is {ahead_s:.1f} s ahead of this clock")
             self.intake.refuse(topics.pose(uav), error)
