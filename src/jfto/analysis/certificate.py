@@ -97,14 +97,13 @@ def flown_certificate(
         "lost": ~grid.present,
     }
     broken = np.zeros(len(grid.times_s), dtype=np.bool_)
+    findings = _Findings(plan, grid, instants, height_m)
     exceptions: list[FlownException] = []
     for kind, flags in faults.items():
         broken |= flags.any(axis=1)
         for who in np.flatnonzero(flags.any(axis=0)):
             for begin, end in spells(flags[:, who]):
-                exceptions.append(
-                    _exception(plan, grid, instants, kind, int(who), begin, end, height_m)
-                )
+                exceptions.append(findings.exception(kind, int(who), begin, end))
     checks = instants.short[::FINER]
     margin_db, uav, slot = instants.worst_margin()
     return FlownCertificate(
@@ -135,43 +134,41 @@ def _too_low(plan: Plan, grid: FlownGrid, height_m: Array, clearance_m: float) -
         return grid.present & (from_pad > PAD_M) & (height_m < clearance_m)
 
 
-def _exception(
-    plan: Plan,
-    grid: FlownGrid,
-    instants: Instants,
-    kind: str,
-    who: int,
-    begin: int,
-    end: int,
-    height_m: Array,
-) -> FlownException:
-    """A spell of faults in words, with the worst that happened in it."""
-    rows = slice(begin, end + 1)
-    first, last = begin / FINER, end / FINER
-    when = f"slot {first:g}" if begin == end else f"slots {first:g} to {last:g}"
-    uav = "" if kind == "connected" else plan.uavs[who].id if kind != "separation" else ""
-    margin: float | None = None
-    limit = 0.0
-    if kind == "neighbours":
-        value, limit = float(instants.degree[rows, who].min()), float(plan.k_min)
-        margin = float(instants.margin_db[rows, who].min())
-        word = "neighbour" if value == 1 else "neighbours"
-        message = f"{uav} had {value:.0f} {word} at P_max in {when}, K_min is {plan.k_min}"
-    elif kind == "connected":
-        value, limit = float(instants.components[rows].max()), 1.0
-        message = f"the fleet was in {value:.0f} parts in {when}"
-    elif kind == "separation":
-        a, b = instants.pairs[0][who], instants.pairs[1][who]
-        uav = f"{plan.uavs[a].id}+{plan.uavs[b].id}"
-        value, limit = float(instants.distance[rows, who].min()), plan.d_min_m
-        message = f"{uav} were {value:.2f} m apart in {when}, d_min is {plan.d_min_m:g} m"
-    elif kind == "height":
-        value = float(np.nanmin(height_m[rows, who]))
-        message = f"{uav} was {value:.1f} m over the terrain in {when}"
-    else:
-        value = float(grid.times_s[end] - grid.times_s[begin])
-        word = "was not heard" if kind == "seen" else "was not there"
-        message = f"{uav} {word} for {value:.1f} s in {when}"
-    return FlownException(
-        kind, uav, first, last, float(grid.times_s[begin]), value, limit, margin, message
-    )
+@dataclass(frozen=True, eq=False)
+class _Findings:
+    """Puts spells of faults into words, each with the worst that happened in it."""
+
+    plan: Plan
+    grid: FlownGrid
+    instants: Instants
+    height_m: Array
+
+    def exception(self, kind: str, who: int, begin: int, end: int) -> FlownException:
+        """One spell, from row `begin` to row `end`, of the UAV or pair with index `who`."""
+        plan, instants, rows = self.plan, self.instants, slice(begin, end + 1)
+        first, last = begin / FINER, end / FINER
+        when = f"slot {first:g}" if begin == end else f"slots {first:g} to {last:g}"
+        uav = plan.uavs[who].id if kind not in {"connected", "separation"} else ""
+        begin_s = float(self.grid.times_s[begin])
+        limit, margin = 0.0, None
+        if kind == "neighbours":
+            value, limit = float(instants.degree[rows, who].min()), float(plan.k_min)
+            margin = float(instants.margin_db[rows, who].min())
+            word = "neighbour" if value == 1 else "neighbours"
+            message = f"{uav} had {value:.0f} {word} at P_max in {when}, K_min is {plan.k_min}"
+        elif kind == "connected":
+            value, limit = float(instants.components[rows].max()), 1.0
+            message = f"the fleet was in {value:.0f} parts in {when}"
+        elif kind == "separation":
+            a, b = instants.pairs[0][who], instants.pairs[1][who]
+            uav = f"{plan.uavs[a].id}+{plan.uavs[b].id}"
+            value, limit = float(instants.distance[rows, who].min()), plan.d_min_m
+            message = f"{uav} were {value:.2f} m apart in {when}, d_min is {plan.d_min_m:g} m"
+        elif kind == "height":
+            value = float(np.nanmin(self.height_m[rows, who]))
+            message = f"{uav} was {value:.1f} m over the terrain in {when}"
+        else:
+            value = float(self.grid.times_s[end]) - begin_s
+            word = "was not heard" if kind == "seen" else "was not there"
+            message = f"{uav} {word} for {value:.1f} s in {when}"
+        return FlownException(kind, uav, first, last, begin_s, value, limit, margin, message)

@@ -70,7 +70,7 @@ class Console:
             auto_refresh=not screen,
             refresh_per_second=10,
         )
-        self._live.start()
+        self._live.start(refresh=True)
 
     def hide(self) -> None:
         """Take away what is drawn; lines stay."""

@@ -5,23 +5,36 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from importlib import metadata
 from pathlib import Path
 
 import jfto
-from jfto_msgs_py.files import write_file
+from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.files import FileKind, read_record, write_record
 
 MADE_NAME = "made.json"
 # Other versions of these may draw or compute otherwise.
 _LIBRARIES = ("numpy", "scipy", "numba", "matplotlib", "plotly")
 
 
+_KIND = FileKind("record of what was made", "Delete it: everything is made anew.")
+
+
 @dataclass(frozen=True)
 class _Made:
+    """Digest of the inputs, and of each file that they came to."""
+
     inputs: str
     files: dict[str, str]
+
+
+@dataclass(frozen=True)
+class _Memory:
+    """What was made, by the name of the product."""
+
+    products: dict[str, _Made] = field(default_factory=dict)
 
 
 class Products:
@@ -32,7 +45,12 @@ class Products:
 
     def __init__(self, directory: Path, *, anew: bool = False) -> None:
         self._directory, self._anew = directory, anew
-        self._made = _read(directory / MADE_NAME)
+        self._path = directory / MADE_NAME
+        try:
+            self._made = read_record(self._path, _Memory, _KIND).products
+        except InputError:
+            # None yet, or damaged: then everything is made anew.
+            self._made = {}
 
     def kept(self, product: str, inputs: str) -> tuple[Path, ...]:
         """Files of a product that was made of inputs with this digest.
@@ -49,8 +67,7 @@ class Products:
         """Remember that the product was made of inputs with this digest and lies in these files."""
         names = {str(path.relative_to(self._directory)): _of_file(path) for path in files}
         self._made[product] = _Made(inputs, names)
-        text = json.dumps({name: vars(made) for name, made in self._made.items()}, indent=1)
-        write_file(self._directory / MADE_NAME, text + "\n")
+        write_record(_Memory(self._made), self._path, _KIND)
 
 
 def digest(inputs: Iterable[str | bytes | Path]) -> str:
@@ -81,14 +98,3 @@ def _program() -> str:
             sum_.update(f"{path.relative_to(root)}:{_of_file(path)}\n".encode())
     sum_.update(json.dumps([metadata.version(library) for library in _LIBRARIES]).encode())
     return sum_.hexdigest()
-
-
-def _read(path: Path) -> dict[str, _Made]:
-    """What is remembered; nothing where there is no such file, or somebody damaged it."""
-    try:
-        found = json.loads(path.read_text(encoding="utf-8"))
-        return {
-            name: _Made(str(made["inputs"]), dict(made["files"])) for name, made in found.items()
-        }
-    except (OSError, ValueError, TypeError, KeyError, AttributeError):
-        return {}

@@ -14,9 +14,7 @@ from jfto.report.figures.style import (
     new_figure,
     rule,
     styled,
-    uav_dash,
-    uav_marker,
-    uav_marker_size,
+    uav_style,
 )
 from jfto.report.palette import uav_colour
 from jfto_msgs_py.plan import Plan
@@ -100,13 +98,7 @@ def flown_timing(facts: FlightFacts) -> Figure:
     left, right = figure.subplots(1, 2, sharex=True)
     for index, uav in enumerate(facts.plan.uavs):
         mine = [one for one in facts.passages if one.uav == uav.id]
-        style = {
-            "color": uav_colour(index),
-            "linestyle": uav_dash(index),
-            "linewidth": 0.8,
-            "marker": uav_marker(index),
-            "markersize": uav_marker_size(index, 3.2),
-        }
+        style = {**uav_style(index, 3.2), "linewidth": 0.8}
         timed = [one for one in mine if one.visited]
         left.plot(
             [one.planned_s for one in timed],

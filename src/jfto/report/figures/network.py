@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from numpy.typing import ArrayLike
 
 from jfto.analysis.comparison import Comparison
 from jfto.analysis.facts import FlightFacts
@@ -28,14 +31,12 @@ def throughput_over_slots(plan: Plan, comparison: Comparison) -> Figure:
     axes = figure.add_subplot()
     slots = np.arange(plan.slots.count + 1)
     for result in comparison.results:
-        style = ALGORITHM_STYLES[result.name]
         gigabits = result.linked.throughput_bps / 1e9
         label = f"{result.name}, mean {result.linked.mean_throughput_mbps / 1e3:.2f} Gb/s"
         axes.plot(
             slots[1:],
             gigabits[1:],
-            color=style["color"],
-            linestyle=style["linestyle"],
+            **ALGORITHM_STYLES[result.name],
             linewidth=1.8 if result is comparison.ours else 1.2,
             label=label,
             zorder=3 if result is comparison.ours else 2,
@@ -70,14 +71,8 @@ def _draw_degree(axes: Axes, plan: Plan, comparison: Comparison) -> None:
         plan.k_min, plan.k_min + plan.delta, color="#0072B2", alpha=0.10, linewidth=0, zorder=0
     )
     for result in comparison.results:
-        style = ALGORITHM_STYLES[result.name]
-        axes.plot(
-            slots,
-            result.degree.mean(axis=1),
-            color=style["color"],
-            linestyle=style["linestyle"],
-            label=result.name,
-        )
+        degree = result.degree.mean(axis=1)
+        axes.plot(slots, degree, **ALGORITHM_STYLES[result.name], label=result.name)
     axes.text(
         0.99,
         plan.k_min + plan.delta + 0.08,
@@ -96,18 +91,22 @@ def _draw_degree(axes: Axes, plan: Plan, comparison: Comparison) -> None:
 
 
 def _draw_energy(axes: Axes, plan: Plan, comparison: Comparison) -> None:
-    count = len(plan.uavs)
-    width = 0.8 / len(comparison.results)
-    for order, result in enumerate(comparison.results):
-        style = ALGORITHM_STYLES[result.name]
-        where = np.arange(count) + (order - (len(comparison.results) - 1) / 2) * width
-        axes.bar(where, result.energy_j, width=width * 0.92, color=style["color"])
-    for index, uav in enumerate(plan.uavs):
-        axes.hlines(uav.energy_j, index - 0.45, index + 0.45, color="black", linewidth=1.2)
-    axes.set_xticks(range(count), [uav.id for uav in plan.uavs], rotation=45 if count > 9 else 0)
+    bars = [(ALGORITHM_STYLES[one.name]["color"], one.energy_j) for one in comparison.results]
+    _bars(axes, plan, bars)
     axes.set_ylabel("Energy for transmission (J)")
     axes.set_ylim(0, 1.12 * max(uav.energy_j for uav in plan.uavs))
     axes.set_title("(b) Energy", loc="left")
+
+
+def _bars(axes: Axes, plan: Plan, bars: Sequence[tuple[str, ArrayLike]]) -> None:
+    """For each UAV its bars in J, by colour, under a line at its budget."""
+    count, width = len(plan.uavs), 0.8 / len(bars)
+    for order, (colour, energy_j) in enumerate(bars):
+        where = np.arange(count) + (order - (len(bars) - 1) / 2) * width
+        axes.bar(where, energy_j, width=width * 0.92, color=colour)
+    for index, uav in enumerate(plan.uavs):
+        axes.hlines(uav.energy_j, index - 0.45, index + 0.45, color="black", linewidth=1.2)
+    axes.set_xticks(range(count), [uav.id for uav in plan.uavs], rotation=45 if count > 9 else 0)
 
 
 @styled
@@ -169,14 +168,7 @@ def _draw_flown_degree(axes: Axes, facts: FlightFacts) -> None:
 
 
 def _draw_flown_energy(axes: Axes, facts: FlightFacts) -> None:
-    where = np.arange(len(facts.energy))
-    for shift, values, style in (
-        (-0.2, [one.planned_j for one in facts.energy], PLANNED_STYLE),
-        (0.2, [one.used_j for one in facts.energy], FLOWN_STYLE),
-    ):
-        axes.bar(where + shift, values, width=0.37, color=style["color"])
-    for index, one in enumerate(facts.energy):
-        axes.hlines(one.budget_j, index - 0.45, index + 0.45, color="black", linewidth=1.2)
-    axes.set_xticks(where, [one.uav for one in facts.energy], rotation=45 if len(where) > 9 else 0)
+    planned, used = zip(*[(one.planned_j, one.used_j) for one in facts.energy], strict=True)
+    _bars(axes, facts.plan, [(PLANNED_STYLE["color"], planned), (FLOWN_STYLE["color"], used)])
     axes.set_ylabel("Transmitting (J)")
     axes.set_title("(c) Energy; the bar above is the budget", loc="left")

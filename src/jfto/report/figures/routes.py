@@ -12,9 +12,7 @@ from jfto.report.figures.map import draw_pad, finish_map, new_map
 from jfto.report.figures.style import (
     TROUBLE_COLOUR,
     styled,
-    uav_dash,
-    uav_marker,
-    uav_marker_size,
+    uav_style,
 )
 from jfto.report.palette import uav_colour
 from jfto_msgs_py.plan import Plan
@@ -33,10 +31,7 @@ def route_map(plan: Plan, dem: Dem) -> Figure:
         label = f"{uav.id}  {route.length_m / 1000:.2f} km, {len(route.waypoint_ids)} waypoints"
         axes.plot(
             *line[:, :2].T,
-            color=colour,
-            linestyle=uav_dash(index),
-            marker=uav_marker(index),
-            markersize=uav_marker_size(index, 3.4),
+            **uav_style(index, 3.4),
             markeredgecolor="white",
             markeredgewidth=0.3,
             linewidth=1.3,

@@ -11,17 +11,17 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jfto.report.palette import UAV_COLOURS
+from jfto.report.palette import UAV_COLOURS, uav_colour
 
 P = ParamSpec("P")
 
 UAV_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 UAV_DASHES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)))
 ALGORITHM_STYLES: dict[str, dict[str, Any]] = {
-    "MTP": {"color": "#555555", "linestyle": (0, (5, 1.5)), "marker": "s"},
-    "A-LMST": {"color": "#E69F00", "linestyle": (0, (1.5, 1.2)), "marker": "^"},
-    "CPAPO": {"color": "#009E73", "linestyle": (0, (6, 1.5, 1.5, 1.5)), "marker": "D"},
-    "C-TOP": {"color": "#0072B2", "linestyle": "-", "marker": "o"},
+    "MTP": {"color": "#555555", "linestyle": (0, (5, 1.5))},
+    "A-LMST": {"color": "#E69F00", "linestyle": (0, (1.5, 1.2))},
+    "CPAPO": {"color": "#009E73", "linestyle": (0, (6, 1.5, 1.5, 1.5))},
+    "C-TOP": {"color": "#0072B2", "linestyle": "-"},
 }
 PLANNED_STYLE: dict[str, Any] = {"color": "#777777", "linestyle": (0, (5, 1.5)), "linewidth": 1.2}
 FLOWN_STYLE: dict[str, Any] = {"color": "#0072B2", "linestyle": "-", "linewidth": 1.4}
@@ -49,19 +49,18 @@ _SETTINGS: Any = {
 }
 
 
-def uav_marker(index: int) -> str:
-    """Marker of a UAV, so that colour is never the only sign."""
-    return UAV_MARKERS[index % len(UAV_MARKERS)]
+def uav_style(index: int, marker_size: float) -> dict[str, Any]:
+    """Colour, line and marker of a UAV, so that colour is never the only sign.
 
-
-def uav_marker_size(index: int, size: float) -> float:
-    """Marker size at which the UAV's marker looks as large as the others."""
-    return size * (1.45 if uav_marker(index) == "*" else 1.0)
-
-
-def uav_dash(index: int) -> Any:
-    """Line style of a UAV; changes once the colours are used up."""
-    return UAV_DASHES[index // len(UAV_COLOURS) % len(UAV_DASHES)]
+    Lines change once the colours are used up; markers look as large as one another.
+    """
+    marker = UAV_MARKERS[index % len(UAV_MARKERS)]
+    return {
+        "color": uav_colour(index),
+        "linestyle": UAV_DASHES[index // len(UAV_COLOURS) % len(UAV_DASHES)],
+        "marker": marker,
+        "markersize": marker_size * (1.45 if marker == "*" else 1.0),
+    }
 
 
 def new_figure(width_in: float, height_in: float, **options: Any) -> Figure:

@@ -12,8 +12,7 @@ from jfto.report.figures.style import (
     PAGE_WIDTH_IN,
     new_figure,
     styled,
-    uav_marker,
-    uav_marker_size,
+    uav_style,
 )
 from jfto.report.palette import uav_colour
 from jfto_msgs_py.plan import Plan
@@ -68,16 +67,11 @@ def _draw_uavs(axes: Axes, plan: Plan, result: AlgorithmResult, slot: int) -> No
     for index, uav in enumerate(plan.uavs):
         on_air = result.power_w[slot, index] > 0
         x, y = plan.positions_m[index, slot, :2]
-        axes.plot(
-            x,
-            y,
-            marker=uav_marker(index),
-            markersize=uav_marker_size(index, 7),
-            color=uav_colour(index) if on_air else "white",
-            markeredgecolor="white" if on_air else uav_colour(index),
-            markeredgewidth=0.8,
-            zorder=5,
-        )
+        style = uav_style(index, 7)
+        if not on_air:
+            style |= {"color": "white"}
+        edge = "white" if on_air else uav_colour(index)
+        axes.plot(x, y, **style, markeredgecolor=edge, markeredgewidth=0.8, zorder=5)
         axes.annotate(
             uav.id if on_air else f"{uav.id} (off)",
             (x, y),
