@@ -2,117 +2,99 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
 
-from jfto.cli.options import debug_option
-from jfto.cli.ros_options import graph_options, session_of
+from jfto.cli.ros_options import graph_command
 
-_hidden_option = click.option("--include-hidden-nodes", "hidden", is_flag=True)
-_timeout_option = click.option(
-    "--timeout",
-    type=float,
-    default=1.0,
-    show_default=True,
-    metavar="SECONDS",
-    help="Wait so long for the node.",
-)
+if TYPE_CHECKING:
+    from jfto.ros_cli.session import Session
 
 
 @click.group("param")
 def command() -> None:
-    """Parameters of the nodes of a ROS 2 graph, with or without ROS installed."""
+    """Parameters of the nodes of a ROS 2 graph, for computers without ros2cli."""
 
 
 @command.command("list")
 @click.argument("node_name", required=False)
-@_hidden_option
-@click.option("--param-prefixes", "prefixes", multiple=True, metavar="PREFIX")
 @click.option("--param-type", "show_types", is_flag=True, help="Show the types too.")
-@click.option("--filter", "expression", metavar="REGEX", help="Names that begin like this only.")
-@graph_options
-@debug_option
-def list_(node_name: str | None, spin_time: float, debug: bool, **choices: Any) -> int:  # noqa: ARG001
+@graph_command
+def list_(session: Session, node_name: str | None, show_types: bool) -> None:
     """List the parameters of NODE_NAME, or of all nodes."""
-    from jfto.ros_cli.parameters import list_parameters
+    from jfto.ros_cli import graph
+    from jfto.ros_cli.parameters import list_types, wait_for
 
-    with session_of(spin_time) as session:
-        list_parameters(session, node_name, **choices)
-    return 0
+    node = session.node
+    if node_name is not None:
+        names = [graph.find_node(session, node_name)]
+    else:
+        offered = dict(graph.services(node, hidden=True))
+        names = [each for each in graph.nodes(node) if f"{each}/list_parameters" in offered]
+    for name in names:
+        if node_name is None:
+            click.echo(f"{name}:")
+        for each, kind in wait_for(session, name, list_types(node, name)).items():
+            word = kind.name.lower().replace("_", " ")
+            click.echo(f"  {each} (type: {word})" if show_types else f"  {each}")
 
 
 @command.command("get")
 @click.argument("node_name")
 @click.argument("name")
-@_hidden_option
 @click.option("--hide-type", is_flag=True, help="Print the value alone.")
-@_timeout_option
-@graph_options
-@debug_option
-def get(
-    node_name: str,
-    name: str,
-    hidden: bool,
-    hide_type: bool,
-    timeout: float,
-    spin_time: float,
-    debug: bool,  # noqa: ARG001
-) -> int:
+@graph_command
+def get(session: Session, node_name: str, name: str, hide_type: bool) -> None:
     """Print parameter NAME of NODE_NAME."""
-    from jfto.ros_cli.parameters import get_parameter, require_node
+    from jfto.ros_cli import graph
+    from jfto.ros_cli.errors import RosCommandError
+    from jfto.ros_cli.parameters import get_values, wait_for
 
-    with session_of(spin_time) as session:
-        require_node(session, node_name, hidden=hidden, timeout_s=timeout)
-        get_parameter(session, node_name, name, hide_type=hide_type)
-    return 0
+    owner = graph.find_node(session, node_name)
+    values = wait_for(session, owner, get_values(session.node, owner, [name]))
+    if not values:
+        raise RosCommandError(f"{owner} has no parameter {name}, or it has no value.")
+    (value,) = values
+    words = {bool: "Boolean", int: "Integer", float: "Double", str: "String"}
+    several = isinstance(value, list)
+    kind = words.get(type(value[0] if several and value else value), "Array")
+    head = f"{kind} values are: " if several else f"{kind} value is: "
+    click.echo(f"{'' if hide_type else head}{value}")
 
 
 @command.command("set")
 @click.argument("node_name")
 @click.argument("name")
 @click.argument("value")
-@_hidden_option
-@_timeout_option
-@graph_options
-@debug_option
-def set_(
-    node_name: str,
-    name: str,
-    value: str,
-    hidden: bool,
-    timeout: float,
-    spin_time: float,
-    debug: bool,  # noqa: ARG001
-) -> int:
+@graph_command
+def set_(session: Session, node_name: str, name: str, value: str) -> int:
     """Set parameter NAME of NODE_NAME to VALUE, in YAML.
 
-    Status 1 where the node refuses; ros2cli prints the same text and ends with 0.
+    Status 1 where the node refuses; ros2cli ends with 0.
     """
-    from jfto.ros_cli.parameters import require_node, set_parameter
+    from jfto.ros_cli import graph
+    from jfto.ros_cli.parameters import set_value, wait_for
 
-    with session_of(spin_time) as session:
-        require_node(session, node_name, hidden=hidden, timeout_s=timeout)
-        return 0 if set_parameter(session, node_name, name, value) else 1
+    owner = graph.find_node(session, node_name)
+    refusal = wait_for(session, owner, set_value(session.node, owner, name, value))
+    if refusal is not None:
+        click.echo(f"Setting parameter failed: {refusal}", err=True)
+        return 1
+    click.echo("Set parameter successful")
+    return 0
 
 
 @command.command("dump")
 @click.argument("node_name")
-@_hidden_option
-@_timeout_option
-@graph_options
-@debug_option
-def dump(
-    node_name: str,
-    hidden: bool,
-    timeout: float,
-    spin_time: float,
-    debug: bool,  # noqa: ARG001
-) -> int:
-    """Print all parameters of NODE_NAME as a parameter file."""
-    from jfto.ros_cli.parameters import dump_parameters, require_node
+@graph_command
+def dump(session: Session, node_name: str) -> None:
+    """Print all parameters of NODE_NAME that have a value, as a parameter file."""
+    import yaml
 
-    with session_of(spin_time) as session:
-        require_node(session, node_name, hidden=hidden, timeout_s=timeout)
-        dump_parameters(session, node_name)
-    return 0
+    from jfto.ros_cli import graph
+    from jfto.ros_cli.parameters import read_all, wait_for
+
+    owner = graph.find_node(session, node_name)
+    values = wait_for(session, owner, read_all(session.node, owner))
+    click.echo(yaml.safe_dump({owner: {"ros__parameters": values}}), nl=False)

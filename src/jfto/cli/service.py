@@ -2,50 +2,59 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import click
 
-from jfto.cli.options import debug_option
-from jfto.cli.ros_options import graph_options, session_of
+from jfto.cli.ros_options import graph_command, list_options, print_names
+
+if TYPE_CHECKING:
+    from jfto.ros_cli.session import Session
+
+_SILENT_WAIT_S = 0.5
 
 
 @click.group("service")
 def command() -> None:
-    """Services of a ROS 2 graph, with or without ROS installed."""
+    """Services of a ROS 2 graph, for computers without ros2cli."""
 
 
 @command.command("list")
-@click.option("-t", "--show-types", is_flag=True, help="Show the types too.")
-@click.option("-c", "--count-services", "count_only", is_flag=True, help="Show how many only.")
-@click.option("-a", "--all", "--include-hidden-services", "hidden", is_flag=True)
-@graph_options
-@debug_option
-def list_(spin_time: float, debug: bool, **choices: bool) -> int:  # noqa: ARG001
+@list_options
+@graph_command
+def list_(session: Session, hidden: bool, **style: bool) -> None:
     """List the services."""
-    from jfto.ros_cli.service_calls import list_services
+    from jfto.ros_cli import graph
 
-    with session_of(spin_time) as session:
-        list_services(session.node, **choices)
-    return 0
+    print_names(graph.services(session.node, hidden=hidden), **style)
 
 
 @command.command("call")
 @click.argument("name")
 @click.argument("type_name", metavar="TYPE")
 @click.argument("values", default="{}")
-@click.option("-r", "--rate", type=click.FloatRange(min=0, min_open=True), help="Repeat, in Hz.")
-@graph_options
-@debug_option
-def call(
-    name: str,
-    type_name: str,
-    values: str,
-    rate: float | None,
-    spin_time: float,
-    debug: bool,  # noqa: ARG001
-) -> int:
-    """Call service NAME of TYPE with VALUES, YAML of the request."""
-    from jfto.ros_cli.service_calls import call_service
+@graph_command
+def call(session: Session, name: str, type_name: str, values: str) -> None:
+    """Call service NAME of TYPE with VALUES, YAML of the request.
 
-    with session_of(spin_time) as session:
-        call_service(session, name, type_name, values, rate)
-    return 0
+    Waits for a service that is not there yet.
+    """
+    from jfto.ros_cli import graph
+    from jfto.ros_cli.errors import RosCommandError
+    from jfto.ros_cli.messages import fill, read_yaml, service_class
+
+    kind = service_class(type_name)
+    request = kind.Request()
+    fill(request, read_yaml(values))
+    full_name = graph.full_name(session.node, name, is_service=True)
+    offered = dict(graph.services(session.node, hidden=True)).get(full_name, [type_name])
+    if type_name not in offered:
+        raise RosCommandError(f"{full_name} is of type {', '.join(offered)}, not {type_name}.")
+    client = session.node.create_client(kind, full_name)
+    if not session.spin_until(client.service_is_ready, _SILENT_WAIT_S):
+        click.echo("waiting for service to become available...")
+        session.spin_until(client.service_is_ready)
+    click.echo(f"requester: making request: {request!r}\n")
+    future = client.call_async(request)
+    session.spin_until(future.done)
+    click.echo(f"response:\n{future.result()!r}\n")

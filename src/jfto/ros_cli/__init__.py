@@ -1,4 +1,4 @@
-"""Looking at a ROS 2 graph from the command line: what `jfto topic`, `node`, `service`, `param` do.
+"""Looking at a ROS 2 graph from the command line, with the habits of ros2cli, by plain rclpy calls.
 
-Output is laid out as ros2cli prints it. Only plain rclpy calls are used.
+Modules import rclpy: `require_ros()` comes first.
 """

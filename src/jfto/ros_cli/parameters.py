@@ -1,171 +1,103 @@
-"""`param list`, `get`, `set` and `dump`."""
+"""Parameters of other nodes, by the services that every node offers.
+
+What takes several calls is a generator of conditions to wait for, so that a command can wait for
+each while the recorder goes on recording.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable, Generator
+from typing import Any, TypeVar
 
-import click
 import yaml
+from rcl_interfaces.msg import Parameter as ParameterMessage
+from rcl_interfaces.srv import GetParameters, GetParameterTypes, ListParameters, SetParameters
+from rclpy.parameter import Parameter, parameter_value_to_python
 
-from jfto.ros_cli import graph_names
-from jfto.ros_cli.errors import RosCommandError, last_line
-from jfto.ros_cli.service_calls import finish
+from jfto.ros_cli.errors import RosCommandError
+from jfto.ros_cli.messages import fill
 from jfto.ros_cli.session import Session
 
+Result = TypeVar("Result")
+Steps = Generator[Callable[[], bool], None, Result]
 _ANSWER_LIMIT_S = 10.0
-_KINDS = (
-    "not set",
-    "boolean",
-    "integer",
-    "double",
-    "string",
-    "byte array",
-    "boolean array",
-    "integer array",
-    "double array",
-    "string array",
-)
+# In the order of rcl_interfaces/msg/ParameterType, which has lists of each five numbers further.
+_KINDS = {bool: "bool", int: "integer", float: "double", str: "string"}
 
 
-def list_parameters(
-    session: Session,
-    node_name: str | None,
-    *,
-    hidden: bool,
-    prefixes: tuple[str, ...],
-    show_types: bool,
-    expression: str | None,
-) -> None:
-    """Print the parameters of a node, or of all. Raises RosCommandError for an unknown node."""
-    from rcl_interfaces.srv import DescribeParameters, ListParameters
-
-    known = graph_names.nodes(session.node, hidden=hidden)
-    if node_name is not None:
-        require_node(session, node_name, hidden=hidden, timeout_s=0.0)
-        known = [graph_names.absolute(node_name)]
-    offered = dict(graph_names.services(session.node, hidden=True))
-    for name in known:
-        if f"{name}/list_parameters" not in offered:
-            continue
-        answer = _call(session, ListParameters, f"{name}/list_parameters", prefixes=list(prefixes))
-        names = _matching(sorted(answer.result.names), expression)
-        kinds = {}
-        if show_types:
-            described = _call(
-                session, DescribeParameters, f"{name}/describe_parameters", names=names
-            )
-            kinds = {each.name: f" (type: {_KINDS[each.type]})" for each in described.descriptors}
-        if node_name is None:
-            click.echo(f"{name}:")
-        for each in names:
-            click.echo(f"  {each}{kinds.get(each, '')}")
-
-
-def _matching(names: list[str], expression: str | None) -> list[str]:
-    import re
-
-    if expression is None:
-        return names
+def call(node: Any, kind: Any, service: str, request: Any) -> Steps[Any]:
+    """Call a service once it is there; its response."""
+    client = node.create_client(kind, service)
     try:
-        pattern = re.compile(expression)
-    except re.error as error:
-        raise RosCommandError(f"--filter: {error}") from None
-    return [name for name in names if pattern.match(name)]
+        yield client.service_is_ready
+        future = client.call_async(request)
+        yield future.done
+        return future.result()
+    finally:
+        node.destroy_client(client)
 
 
-def get_parameter(session: Session, node_name: str, name: str, *, hide_type: bool) -> None:
-    """Print a parameter. Raises RosCommandError where it has no value."""
-    from rclpy.parameter import parameter_value_to_python
-
-    values = _values(session, node_name, [name])
-    if not values:
-        raise RosCommandError("Parameter not set")
-    value = parameter_value_to_python(values[0])
-    kind = _KINDS[values[0].type].removesuffix(" array").capitalize()
-    if values[0].type == 0:
-        click.echo("Parameter not set.")
-    elif hide_type:
-        click.echo(value)
-    elif isinstance(value, list):
-        click.echo(f"{kind} values are: {value}")
-    else:
-        click.echo(f"{kind} value is: {value}")
+def wait_for(session: Session, what: str, steps: Steps[Result]) -> Result:
+    """Spin through all steps; raises RosCommandError naming `what` where one takes too long."""
+    try:
+        while session.spin_until(next(steps), _ANSWER_LIMIT_S):
+            pass
+    except StopIteration as end:
+        return end.value
+    raise RosCommandError(f"{what} gives no answer in {_ANSWER_LIMIT_S:g} s. Is it alive?")
 
 
-def set_parameter(session: Session, node_name: str, name: str, text: str) -> bool:
-    """Set a parameter from YAML; whether the node took it, which is said either way."""
-    from rcl_interfaces.msg import Parameter
-    from rcl_interfaces.srv import SetParameters
-
-    parameter = Parameter(name=name, value=_parse(text))
-    service = f"{graph_names.absolute(node_name)}/set_parameters"
-    result = _call(session, SetParameters, service, parameters=[parameter]).results[0]
-    if result.successful:
-        click.echo("Set parameter successful")
-    else:
-        reason = f": {result.reason}" if result.reason else ""
-        click.echo(f"Setting parameter failed{reason}", err=True)
-    return bool(result.successful)
+def list_types(node: Any, owner: str) -> Steps[dict[str, Parameter.Type]]:
+    """Names of a node's parameters, sorted, and of what type each is."""
+    request = ListParameters.Request()
+    listed = yield from call(node, ListParameters, f"{owner}/list_parameters", request)
+    names = sorted(listed.result.names)
+    types = yield from call(
+        node,
+        GetParameterTypes,
+        f"{owner}/get_parameter_types",
+        GetParameterTypes.Request(names=names),
+    )
+    return {name: Parameter.Type(kind) for name, kind in zip(names, types.types, strict=False)}
 
 
-def _parse(text: str) -> Any:
-    from rclpy.parameter import get_parameter_value
+def get_values(node: Any, owner: str, names: list[str]) -> Steps[list[Any]]:
+    """Values of a node's parameters as plain data; none at all where one of them has none."""
+    request = GetParameters.Request(names=names)
+    response = yield from call(node, GetParameters, f"{owner}/get_parameters", request)
+    return [parameter_value_to_python(value) for value in response.values]
 
+
+def read_all(node: Any, owner: str) -> Steps[dict[str, Any]]:
+    """All parameters of a node that have a value, by name, as plain data."""
+    types = yield from list_types(node, owner)
+    chosen = [name for name, kind in types.items() if kind != Parameter.Type.NOT_SET]
+    values = yield from get_values(node, owner, chosen)
+    return dict(zip(chosen, values, strict=False))
+
+
+def set_value(node: Any, owner: str, name: str, text: str) -> Steps[str | None]:
+    """Set a parameter from YAML; None, or why the node refuses.
+
+    What is neither a number, a truth nor a list of one kind is a text, as in ros2cli.
+    """
+    request = SetParameters.Request(parameters=[_parameter(name, text)])
+    response = yield from call(node, SetParameters, f"{owner}/set_parameters", request)
+    (result,) = response.results
+    return None if result.successful else result.reason or "the node gives no reason"
+
+
+def _parameter(name: str, text: str) -> Any:
     try:
         plain = yaml.safe_load(text)
     except yaml.YAMLError:
         plain = text
-    if plain is not None and not isinstance(plain, (bool, int, float, str, list)):
-        raise RosCommandError("TypeError: bad argument type for built-in operation")
-    try:
-        return get_parameter_value(text)
-    except (AssertionError, TypeError, ValueError, OverflowError) as error:
-        raise RosCommandError(last_line(error)) from None
-
-
-def dump_parameters(session: Session, node_name: str) -> None:
-    """Print all parameters of a node as a parameter file."""
-    from rcl_interfaces.srv import ListParameters
-    from rclpy.parameter import PARAMETER_SEPARATOR_STRING, parameter_value_to_python
-
-    full_name = graph_names.absolute(node_name)
-    listed = _call(session, ListParameters, f"{full_name}/list_parameters")
-    names = sorted(listed.result.names)
-    tree: dict[str, Any] = {}
-    # Where one parameter has no value the node answers with no values at all.
-    for name, value in zip(names, _values(session, node_name, names), strict=False):
-        *path, leaf = name.split(PARAMETER_SEPARATOR_STRING)
-        branch = tree
-        for part in path:
-            branch = branch.setdefault(part, {})
-        branch[leaf] = parameter_value_to_python(value)
-    click.echo(yaml.dump({full_name: {"ros__parameters": tree}}, default_flow_style=False))
-
-
-def require_node(session: Session, node_name: str, *, hidden: bool, timeout_s: float) -> None:
-    """Wait for a node; raises RosCommandError where it does not come."""
-    full_name = graph_names.absolute(node_name)
-    if not session.spin_until(
-        lambda: full_name in graph_names.nodes(session.node, hidden=hidden), timeout_s
-    ):
-        raise RosCommandError("Node not found")
-
-
-def _values(session: Session, node_name: str, names: list[str]) -> list[Any]:
-    from rcl_interfaces.srv import GetParameters
-
-    service = f"{graph_names.absolute(node_name)}/get_parameters"
-    return list(_call(session, GetParameters, service, names=names).values)
-
-
-def _call(session: Session, kind: Any, service: str, **fields: Any) -> Any:
-    client = session.node.create_client(kind, service)
-    try:
-        if not session.spin_until(client.service_is_ready, _ANSWER_LIMIT_S):
-            raise RosCommandError(
-                f"Wait for service timed out waiting for parameter services for node "
-                f"{service.rpartition('/')[0]}"
-            )
-        return finish(session, client.call_async(kind.Request(**fields)), _ANSWER_LIMIT_S)
-    finally:
-        session.node.destroy_client(client)
+    value: dict[str, Any] = {"type": 4, "string_value": text}
+    for number, (kind, word) in enumerate(_KINDS.items(), start=1):
+        if type(plain) is kind:
+            value = {"type": number, f"{word}_value": plain}
+        elif isinstance(plain, list) and plain and all(type(each) is kind for each in plain):
+            value = {"type": number + 5, f"{word}_array_value": plain}
+    parameter = ParameterMessage()
+    fill(parameter, {"name": name, "value": value})
+    return parameter

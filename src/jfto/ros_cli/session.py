@@ -10,14 +10,18 @@ import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from jfto_msgs_py.ros.installation import require_ros
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.signals import SignalHandlerOptions
 
 EXIT_INTERRUPTED = 130
 EXIT_TERMINATED = 143
 
-# Discovery is over when the graph has not changed for so long, and is waited for no longer than so.
+# Discovery is over when the graph has not changed for so long. On a busy computer the first nodes
+# are found late.
 _QUIET_S = 0.3
-_DISCOVERY_LIMIT_S = 5.0
+_ALONE_S = 3.0
+# How long a signal may go unnoticed.
 _POLL_S = 0.05
 
 
@@ -30,7 +34,11 @@ class Stopped(Exception):  # noqa: N818 - it is a request, not a fault
 
 
 class StopSignals:
-    """Notes SIGINT and SIGTERM, so that work ends between two callbacks and never inside one."""
+    """Notes SIGINT and SIGTERM, so that work ends between two callbacks and never inside one.
+
+    Once one has come the process is ending, and others are ignored to its end: launch and a
+    terminal send several, which must not cut the closing of files short.
+    """
 
     def __init__(self) -> None:
         self.status = 0
@@ -44,87 +52,89 @@ class StopSignals:
 
     def _note(self, number: int, _frame: Any) -> None:
         self.status = EXIT_INTERRUPTED if number == signal.SIGINT else EXIT_TERMINATED
+        for each in self._previous:
+            signal.signal(each, signal.SIG_IGN)
 
     def __exit__(self, *_exception: object) -> None:
-        for number, previous in self._previous.items():
-            signal.signal(number, previous)
+        if not self.status:
+            for number, previous in self._previous.items():
+                signal.signal(number, previous)
 
 
 class Session:
-    """A node and the executor that spins it."""
+    """A node and the executor that spins it. Whatever waits raises Stopped after a signal."""
 
     def __init__(self, node: Any, executor: Any, signals: StopSignals) -> None:
         self.node = node
         self._executor = executor
         self._signals = signals
 
-    def spin_once(self, timeout_s: float) -> None:
-        """Run what is ready, or wait for it. Raises Stopped after SIGINT or SIGTERM."""
-        if self._signals.status:
-            raise Stopped(self._signals.status)
-        self._executor.spin_once(timeout_sec=min(timeout_s, _POLL_S))
-        if self._signals.status:
-            raise Stopped(self._signals.status)
+    def run_ready(self) -> None:
+        """Run one callback if one is ready; never waits, never raises Stopped."""
+        self._executor.spin_once(timeout_sec=0)
 
     def spin_until(self, condition: Callable[[], bool], timeout_s: float | None = None) -> bool:
         """Spin until a condition holds; False on time-out."""
         end = None if timeout_s is None else time.monotonic() + timeout_s
         while not condition():
-            left = _POLL_S if end is None else end - time.monotonic()
-            if left <= 0:
+            left_s = _POLL_S if end is None else end - time.monotonic()
+            if left_s <= 0:
                 return False
-            self.spin_once(left)
+            # One and the same time-out lets rclpy keep what it found ready for the next call.
+            self._executor.spin_once(timeout_sec=min(left_s, _POLL_S))
+            self._check()
         return True
 
+    def pause(self, seconds: float) -> None:
+        """Wait without spinning."""
+        end = time.monotonic() + seconds
+        self._check()
+        while (left_s := end - time.monotonic()) > 0:
+            time.sleep(min(left_s, _POLL_S))
+            self._check()
+
+    def _check(self) -> None:
+        if self._signals.status:
+            raise Stopped(self._signals.status)
+
     def discover(self, spin_time_s: float) -> None:
-        """Listen for `spin_time_s`, and on until the graph has come to rest."""
-        begin = changed = time.monotonic()
-        picture: Any = None
+        """Listen for `spin_time_s`, and on until others were found and no more come."""
+        begin, picture = time.monotonic(), None
         while True:
-            now = time.monotonic()
-            current = (
+            before = picture
+            picture = (
                 self.node.get_topic_names_and_types(),
                 self.node.get_service_names_and_types(),
-                sorted(self.node.get_node_names_and_namespaces()),
+                self.node.get_node_names_and_namespaces(),
             )
-            if current != picture:
-                picture, changed = current, now
-            rested = now - begin >= spin_time_s and now - changed >= _QUIET_S
-            if rested or now - begin >= max(_DISCOVERY_LIMIT_S, spin_time_s):
+            is_alone = len(picture[2]) < 2
+            elapsed_s = time.monotonic() - begin
+            if picture == before and elapsed_s >= max(spin_time_s, _ALONE_S if is_alone else 0):
                 return
-            self.spin_once(_POLL_S)
+            self.pause(_QUIET_S)
 
 
 @contextlib.contextmanager
-def open_session(
-    spin_time_s: float, node_name: str | None = None, *, sim_time: bool = False
-) -> Iterator[Session]:
+def open_session(spin_time_s: float = 0.0, node_name: str | None = None) -> Iterator[Session]:
     """Join the graph with a node, hidden unless named, and leave it in the end.
 
-    With `sim_time` the node's clock is /clock. SIGINT and SIGTERM leave the block by Stopped.
+    Without a `spin_time_s` nobody is listened for before. SIGINT and SIGTERM leave the block by
+    Stopped.
     """
-    require_ros()
-    import rclpy
-    from rclpy.executors import SingleThreadedExecutor
-    from rclpy.parameter import Parameter
-    from rclpy.signals import SignalHandlerOptions
-
     with StopSignals() as signals:
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         try:
             name = node_name or f"_ros2cli_{os.getpid()}"
-            node = rclpy.create_node(
-                name,
-                start_parameter_services=False,
-                parameter_overrides=[Parameter("use_sim_time", value=sim_time)],
-            )
+            node = rclpy.create_node(name, start_parameter_services=False)
             executor = SingleThreadedExecutor()
             executor.add_node(node)
-            session = Session(node, executor, signals)
             try:
-                session.discover(spin_time_s)
+                session = Session(node, executor, signals)
+                if spin_time_s:
+                    session.discover(spin_time_s)
                 yield session
             finally:
+                # In this order: rclpy aborts the process where a context ends under an executor.
                 executor.shutdown()
                 node.destroy_node()
         finally:
