@@ -24,8 +24,9 @@ from jfto.analysis.record import (
     Track,
     Trouble,
 )
+from jfto.bag.contents import BagMessage
 from jfto.bag.errors import BagError
-from jfto.bag.reader import Bag, BagMessage
+from jfto.bag.reader import Bag
 from jfto_msgs_py.errors import InputError, MessageError
 from jfto_msgs_py.network import Adjacency, PowerSchedule
 from jfto_msgs_py.plan import Plan

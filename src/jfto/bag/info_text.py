@@ -1,46 +1,49 @@
-"""Facts of a bag as `ros2 bag info` prints them."""
+"""Facts of a bag as `ros2 bag info` lays them out."""
 
 from __future__ import annotations
 
-import time
+from datetime import datetime, timedelta
 
 from jfto.bag.reader import BagFacts
 
-_INDENT = " " * 19
+_INDENT = "\n" + " " * 19
+# What calls of services are published on where somebody asked for it: no topics to their users.
+_SERVICE = "/_service_event"
 
 
 def info_text(facts: BagFacts) -> str:
     """Text of a bag's facts; times of day are local."""
-    topics = [
-        f"Topic: {topic.name} | Type: {topic.type_name} | Count: {topic.count} | "
-        f"Serialization Format: {topic.serialization_format}"
-        for topic in facts.topics
+    topics = [each for each in facts.topics if not each.name.endswith(_SERVICE)]
+    services = [each for each in facts.topics if each.name.endswith(_SERVICE)]
+    listed = [
+        f"Topic: {each.name} | Type: {each.type_name} | Count: {each.count} | "
+        f"Serialization Format: {each.serialization_format}"
+        for each in topics
     ]
-    end_ns = facts.start_ns + facts.duration_ns
-    lines = [
-        "",
-        f"Files:             {f'{chr(10)}{_INDENT}'.join(facts.files)}",
-        f"Bag size:          {_size(facts.size_bytes)}",
-        f"Storage id:        {facts.storage}",
-        f"ROS Distro:        {facts.distro}",
-        f"Duration:          {_seconds(facts.duration_ns)}s",
-        f"Start:             {_moment(facts.start_ns)}",
-        f"End:               {_moment(end_ns)}",
-        f"Messages:          {facts.message_count}",
-        f"Topic information: {f'{chr(10)}{_INDENT}'.join(topics)}",
-        "Service:           0",
-        "Service information: ",
+    asked = [
+        f"Service: {each.name.removesuffix(_SERVICE)} | Type: "
+        f"{each.type_name.removesuffix('_Event')} | Events: {each.count}"
+        for each in services
     ]
-    return "\n".join(lines)
+    lines = {
+        "Files": _INDENT.join(facts.files),
+        "Bag size": _size(facts.size_bytes),
+        "Storage id": facts.storage,
+        "ROS Distro": facts.distro,
+        "Duration": f"{_seconds(facts.duration_ns)}s",
+        "Start": _moment(facts.start_ns),
+        "End": _moment(facts.start_ns + facts.duration_ns),
+        "Messages": str(sum(each.count for each in topics)),
+        "Topic information": _INDENT.join(listed),
+        "Service": str(len(services)),
+        "Service information": _INDENT.join(asked),
+    }
+    return "\n".join(f"{name + ':':<18} {text}" for name, text in lines.items())
 
 
 def _size(count: int) -> str:
-    value = float(count)
-    for unit in ("B", "KiB", "MiB"):
-        if value < 1024:
-            return f"{value:.0f} {unit}" if unit == "B" else f"{value:.1f} {unit}"
-        value /= 1024
-    return f"{value:.1f} GiB"
+    power = min((max(count, 1).bit_length() - 1) // 10, 3)
+    return f"{count / 1024**power:.{1 if power else 0}f} {('B', 'KiB', 'MiB', 'GiB')[power]}"
 
 
 def _seconds(nanoseconds: int) -> str:
@@ -48,6 +51,6 @@ def _seconds(nanoseconds: int) -> str:
 
 
 def _moment(nanoseconds: int) -> str:
-    local = time.localtime(nanoseconds // 10**9)
-    text = f"{time.strftime('%b', local)} {local.tm_mday:2d} {time.strftime('%Y %H:%M:%S', local)}"
-    return f"{text}.{nanoseconds % 10**9:09d} ({_seconds(nanoseconds)})"
+    moment = datetime.fromtimestamp(0).astimezone() + timedelta(seconds=nanoseconds // 10**9)
+    local = moment.astimezone()
+    return f"{local:%b %e %Y %H:%M:%S}.{nanoseconds % 10**9:09d} ({_seconds(nanoseconds)})"

@@ -2,43 +2,34 @@
 
 from __future__ import annotations
 
-import re
 import time
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from jfto.bag.parameter_keeper import ParameterKeeper
-from jfto.bag.qos import offered_by, recording_profile
-from jfto.bag.recorder import BagRecorder
-from jfto.ros_cli import graph_names
-from jfto.ros_cli.interfaces import message_class
-from jfto.ros_cli.session import Session, Stopped
+from rclpy.qos import QoSProfile
+from rclpy.serialization import deserialize_message
+from rosgraph_msgs.msg import Clock
 
-NODE_NAME = "rosbag2_recorder"
-_LOOK_EVERY_S = 0.1
+from jfto.bag.choice import Choice
+from jfto.bag.parameter_keeper import ParameterKeeper
+from jfto.bag.qos import offered_by
+from jfto.bag.recorder import BagRecorder
+from jfto.ros_cli import graph
+from jfto.ros_cli.errors import RosCommandError
+from jfto.ros_cli.messages import message_class, received_ns
+from jfto.ros_cli.qos import fitting_profile
+from jfto.ros_cli.session import Session, Stopped
+from jfto_msgs_py.ros.stamps import decode_time
+
+CLOCK = "/clock"
+# Messages wait in the middleware and are taken by the batch: to wake up for each takes five times
+# the processor time. When it was received comes with each.
+_BATCH_EVERY_S = 0.1
+_LOOK_EVERY_S = 0.5
 # Half of the second that a kill may cost: the other half is for a machine under load.
 _FLUSH_EVERY_S = 0.5
-# More than rosbag2's 10: a pause for writing must not cost messages.
+# More than rosbag2's 10: what comes between two batches must fit.
 _DEPTH = 1000
-
-
-@dataclass(frozen=True)
-class Choice:
-    """Which topics are recorded: those named, those that match, or all."""
-
-    topics: tuple[str, ...] = ()
-    pattern: re.Pattern[str] | None = None
-    everything: bool = False
-    hidden: bool = False
-    excluded: tuple[str, ...] = ()
-
-    def wants(self, topic: str) -> bool:
-        """Whether a topic is to be recorded."""
-        if topic in self.excluded:
-            return False
-        matches = self.pattern is not None and self.pattern.search(topic) is not None
-        return topic in self.topics or self.everything or matches
 
 
 class Recording:
@@ -50,76 +41,107 @@ class Recording:
         recorder: BagRecorder,
         choice: Choice,
         keeper: ParameterKeeper | None = None,
+        *,
+        sim_time: bool = False,
     ) -> None:
+        """With `sim_time` messages are stamped with /clock, and none is taken before it comes."""
         self._session = session
-        self._keeper = keeper
         self._recorder = recorder
         self._choice = choice
-        self._seen: set[str] = set()
+        self._keeper = keeper
+        self._sim_time = sim_time
+        self._sim_ns = 0
+        self._known: set[str] = set()
+        # By topic; that of the simulated time is "".
+        self._subscriptions: dict[str, Any] = {}
+        self._batch: list[tuple[int, str, bytes]] = []
 
     @property
     def complete(self) -> bool:
         """Whether all topics that were named are being recorded."""
-        choice = self._choice
-        open_ended = choice.everything or choice.pattern is not None
-        return not open_ended and self._seen >= set(choice.topics)
-
-    def look(self) -> None:
-        """Subscribe to topics that have appeared, once there is a time to stamp messages with."""
-        node = self._session.node
-        if not node.get_clock().now().nanoseconds:
-            return
-        hidden = self._choice.hidden or bool(self._choice.topics)
-        for topic, types in graph_names.topics(node, hidden=hidden):
-            if topic not in self._seen and self._choice.wants(topic):
-                publishers = node.get_publishers_info_by_topic(topic)
-                # Only publishers tell the QoS; a topic without one has nothing to record yet.
-                if publishers:
-                    self._seen.add(topic)
-                    self._subscribe(topic, types, publishers)
-
-    def _subscribe(self, topic: str, types: list[str], publishers: list[Any]) -> None:
-        node, log = self._session.node, self._session.node.get_logger()
-        if len(types) > 1:
-            log.warning(f"Topic '{topic}' has more than one type: {', '.join(types)}. Ignored.")
-            return
-        if not self._recorder.knows_type(types[0]):
-            log.warning(f"Topic '{topic}' has unknown type '{types[0]}'. Ignored.")
-            return
-        self._recorder.add_topic(topic, types[0], offered_by(publishers))
-        node.create_subscription(
-            message_class(types[0]),
-            topic,
-            partial(self._write, topic),
-            recording_profile(publishers, _DEPTH),
-            raw=True,
-        )
-        log.info(f"Subscribed to topic '{topic}'")
-
-    def _write(self, topic: str, data: bytes) -> None:
-        now_ns = self._session.node.get_clock().now().nanoseconds
-        self._recorder.write(topic, now_ns, bytes(data))
+        return not self._choice.is_open_ended and self._known >= self._choice.topics
 
     def run(self) -> None:
         """Record until SIGINT or SIGTERM; the bag is left to be closed."""
+        node = self._session.node
+        if self._sim_time:
+            self._subscribe("", Clock, CLOCK, fitting_profile([], _DEPTH))
+        node.get_logger().info("Recording...")
         look = flush = time.monotonic()
-        self._session.node.get_logger().info("Recording...")
-        told = False
         try:
             while True:
                 now = time.monotonic()
                 if now >= look:
-                    if not self.complete:
-                        self.look()
-                    if self._keeper is not None:
-                        self._keeper.look()
+                    self._look()
                     look = now + _LOOK_EVERY_S
-                if self.complete and not told:
-                    self._session.node.get_logger().info("All requested topics are subscribed.")
-                    told = True
+                self._session.pause(_BATCH_EVERY_S)
+                self._take_batch()
                 if now >= flush:
                     self._recorder.flush()
                     flush = now + _FLUSH_EVERY_S
-                self._session.spin_once(max(min(look, flush) - time.monotonic(), 0.0))
         except Stopped:
+            self._take_batch()
+
+    def _look(self) -> None:
+        """Subscribe to topics that have appeared, once there is a time to stamp messages with."""
+        node = self._session.node
+        if self._keeper is not None:
+            self._keeper.look()
+        if self._complete or (self._sim_time and not self._sim_ns):
             return
+        # A hidden topic is recorded where it is named.
+        for topic, types in graph.topics(node, hidden=bool(self._choice.topics)):
+            if topic not in self._known and self._choice.wants(topic):
+                publishers = node.get_publishers_info_by_topic(topic)
+                # Only publishers tell the QoS; a topic without one has nothing to record yet.
+                if publishers:
+                    self._known.add(topic)
+                    self._add_topic(topic, types, publishers)
+        if self._complete:
+            node.get_logger().info("All requested topics are subscribed.")
+
+    @property
+    def _complete(self) -> bool:
+        """Whether all topics that were named are being recorded."""
+        return not self._choice.is_open_ended and self._known >= self._choice.topics
+
+    def _add_topic(self, topic: str, types: list[str], publishers: list[Any]) -> None:
+        log = self._session.node.get_logger()
+        try:
+            if len(types) > 1:
+                raise RosCommandError(f"it has several types: {', '.join(types)}.")
+            kind = message_class(types[0])
+        except RosCommandError as error:
+            log.warning(f"Topic '{topic}' is not recorded: {error}")
+            return
+        self._recorder.add_topic(topic, types[0], offered_by(publishers))
+        self._subscribe(topic, kind, topic, fitting_profile(publishers, _DEPTH))
+        log.info(f"Subscribed to topic '{topic}'")
+
+    def _subscribe(self, key: str, kind: Any, topic: str, profile: QoSProfile) -> None:
+        self._subscriptions[key] = self._session.node.create_subscription(
+            kind, topic, partial(self._put, key), profile, raw=True
+        )
+
+    def _put(self, topic: str, data: bytes, info: dict[str, Any]) -> None:
+        self._batch.append((received_ns(info), topic, data))
+
+    def _take_batch(self) -> None:
+        """Write what has come since the last time, in the order in which it came."""
+        if self._keeper is not None:
+            self._keeper.go_on()
+            self._session.run_ready()
+        for topic, subscription in self._subscriptions.items():
+            for _ in range(_DEPTH):
+                # As rclpy.wait_for_message does it: without a wait, whose cost grows with topics.
+                taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
+                if taken is None:
+                    break
+                self._put(topic, *taken)
+        self._batch.sort(key=lambda each: each[0])
+        for stamp_ns, topic, data in self._batch:
+            if not topic:
+                self._sim_ns = decode_time(deserialize_message(data, Clock).clock)
+            elif not self._sim_time or self._sim_ns:
+                self._recorder.write(topic, self._sim_ns if self._sim_time else stamp_ns, data)
+        self._batch.clear()

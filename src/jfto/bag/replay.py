@@ -5,14 +5,17 @@ from __future__ import annotations
 import hashlib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+
+from rclpy.serialization import deserialize_message
 
 from jfto.bag.comparison import Stamped, TopicComparison, compare_topic
+from jfto.bag.contents import BagMessage
 from jfto.bag.errors import BagError
-from jfto.bag.reader import Bag, BagMessage
+from jfto.bag.reader import Bag
 from jfto.bag.recorder import BagRecorder
 from jfto.bag.replay_clock import ReplayClock
-from jfto.bag.replay_node import Output, replay_nodes
+from jfto.bag.replay_node import Output, ReplayEdges, replay_nodes
+from jfto.ros_cli.messages import message_class
 from jfto_msgs_py.ros import topics
 
 # Without these a node goes on by what was planned: no radio measures the air, a flight not begun.
@@ -40,43 +43,44 @@ class Replay:
 def replay_bag(bag: Bag, node_names: list[str], parameters: Path, tolerance_db: float) -> Replay:
     """Feed a bag to nodes by the time of its messages.
 
-    Messages come in the order of (time, topic, number within the topic). Each node gets what was
+    Messages come in the order of (time, topic, place in the bag). Each node gets what was
     recorded, also where another node of the replay publishes it. Raises BagError for a bag that
     lacks an input, JftoError for parameters that do not fit.
     """
-    messages = sorted(bag.messages(), key=lambda each: (each.stamp_ns, each.topic, each.sequence))
+    messages = sorted(bag.messages(), key=lambda each: (each.stamp_ns, each.topic))
     if not messages:
         raise BagError(f"{bag.path}: holds no messages.")
     outputs: list[Output] = []
     clock = ReplayClock(messages[0].stamp_ns)
-    with replay_nodes(node_names, parameters, clock, outputs) as nodes:
-        _require_inputs(bag, nodes)
-        input_count = _feed(messages, nodes, clock)
+    with replay_nodes(node_names, parameters, clock, outputs) as edges:
+        _require_inputs(bag, edges)
+        input_count = _feed(messages, edges, clock)
     # Diagnostics and markers are for people; what other nodes act on is compared.
     acted_on = [each for each in outputs if _is_compared(each.topic)]
-    comparisons = _compare(messages, nodes, acted_on, tolerance_db)
+    published = {topic for each in edges for topic in each.published if _is_compared(topic)}
+    comparisons = tuple(
+        _compare(topic, messages, acted_on, tolerance_db) for topic in sorted(published)
+    )
     return Replay(tuple(acted_on), comparisons, input_count)
 
 
-def _require_inputs(bag: Bag, nodes: list[Any]) -> None:
+def _require_inputs(bag: Bag, edges: list[ReplayEdges]) -> None:
     present = {topic.name for topic in bag.facts.topics if topic.count}
-    for node in nodes:
-        missing = sorted(set(node.inputs) - present - _MAY_BE_SILENT)
+    for each in edges:
+        missing = sorted(set(each.inputs) - present - _MAY_BE_SILENT)
         if missing:
             raise BagError(
-                f"{bag.path}: holds nothing on {', '.join(missing)}, which {node.get_name()} "
+                f"{bag.path}: holds nothing on {', '.join(missing)}, which {each.node.get_name()} "
                 "needs. Record with --all, from before the nodes start."
             )
 
 
-def _feed(messages: list[BagMessage], nodes: list[Any], clock: ReplayClock) -> int:
-    from rclpy.serialization import deserialize_message
-
+def _feed(messages: list[BagMessage], edges: list[ReplayEdges], clock: ReplayClock) -> int:
     count = 0
     for message in messages:
         clock.advance(message.stamp_ns)
-        for node in nodes:
-            entry = node.inputs.get(message.topic)
+        for each in edges:
+            entry = each.inputs.get(message.topic)
             if entry is not None:
                 entry.callback(deserialize_message(message.data, entry.kind))
                 count += 1
@@ -89,28 +93,15 @@ def _is_compared(topic: str) -> bool:
 
 
 def _compare(
-    messages: list[BagMessage], nodes: list[Any], outputs: list[Output], tolerance_db: float
-) -> tuple[TopicComparison, ...]:
-    from rclpy.serialization import deserialize_message
-
-    from jfto.ros_cli.interfaces import message_class
-
-    published = sorted({topic for node in nodes for topic in node.published if _is_compared(topic)})
-    found = []
-    for topic in published:
-        recorded = [
-            Stamped(
-                message.stamp_ns,
-                deserialize_message(message.data, message_class(message.type_name)),
-            )
-            for message in messages
-            if message.topic == topic
-        ]
-        replayed = [
-            Stamped(output.stamp_ns, output.message) for output in outputs if output.topic == topic
-        ]
-        found.append(compare_topic(topic, recorded, replayed, tolerance_db))
-    return tuple(found)
+    topic: str, messages: list[BagMessage], outputs: list[Output], tolerance_db: float
+) -> TopicComparison:
+    recorded = [
+        Stamped(each.stamp_ns, deserialize_message(each.data, message_class(each.type_name)))
+        for each in messages
+        if each.topic == topic
+    ]
+    replayed = [Stamped(each.stamp_ns, each.message) for each in outputs if each.topic == topic]
+    return compare_topic(topic, recorded, replayed, tolerance_db)
 
 
 def write_outputs(replay: Replay, path: Path) -> None:
@@ -120,11 +111,6 @@ def write_outputs(replay: Replay, path: Path) -> None:
     for output in replay.outputs:
         if output.topic not in known:
             known.add(output.topic)
-            recorder.add_topic(output.topic, _type_name(output.message), [])
+            recorder.add_topic(output.topic, output.type_name, [])
         recorder.write(output.topic, output.stamp_ns, output.data)
     recorder.close()
-
-
-def _type_name(message: Any) -> str:
-    package, kind, _ = type(message).__module__.split(".")
-    return f"{package}/{kind}/{type(message).__name__}"

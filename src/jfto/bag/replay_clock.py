@@ -53,15 +53,3 @@ class ReplayTimer:
     def cancel(self) -> None:
         """Wait for nothing."""
         self.due_ns = None
-
-    def is_canceled(self) -> bool:
-        """Whether nothing is waited for."""
-        return self.due_ns is None
-
-    def time_until_next_call(self) -> int | None:
-        """Nanoseconds until the call, None where canceled."""
-        return None if self.due_ns is None else self.due_ns - self._clock.now_ns
-
-    def destroy(self) -> None:
-        """Never call back again."""
-        self.cancel()

@@ -6,26 +6,37 @@ import contextlib
 import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
+
+from rclpy.context import Context
+from rclpy.parameter import Parameter
+from rclpy.serialization import serialize_message
+from rosbags.typesys import Stores, get_typestore
 
 from jfto.bag.errors import BagError
 from jfto.bag.replay_clock import ReplayClock, ReplayTimer
-from jfto_msgs_py.ros.installation import require_ros
+from jfto_power.power_node import PowerNode
+from jfto_topology.node.topology_node import TopologyNode
 
+# Name for the command line: the node's class.
+NODES = {"topology": TopologyNode, "power": PowerNode}
 # Options of a node that would tie a replay to files of the run.
 _LEFT_OUT = ("state_file",)
-# A domain that no fleet uses: DDS takes discovery settings once per process and domain, so that
-# switching discovery off is not enough beside a node that is on the network.
+# A domain that no fleet uses: a process takes discovery settings once per domain, so that switching
+# discovery off is not enough beside a node that is on the network.
 _DOMAIN_ID = 231
+_TYPES = get_typestore(Stores.ROS2_JAZZY)
 
 
 @dataclass(frozen=True)
 class Output:
-    """What a node published, when, as the object and as bytes."""
+    """What a node published, when, as the object and as bytes that only its fields decide."""
 
-    node: str
     topic: str
+    type_name: str
     stamp_ns: int
     message: Any
     data: bytes
@@ -39,138 +50,84 @@ class Input:
     callback: Callable[[Any], Any]
 
 
-class _Publisher:
-    """Keeps what is published while the node is active."""
-
-    def __init__(self, owner: ReplayEdges, topic: str) -> None:
-        self._owner, self._topic = owner, topic
-
-    def publish(self, message: Any) -> None:
-        self._owner.keep(self._topic, message)
-
-    def get_subscription_count(self) -> int:
-        return 0
-
-
 class ReplayEdges:
-    """Put before a node's class: its publishers, subscriptions and timers become ours."""
+    """What a node reaches of the world: recorded inputs, the replay's clock, a list of outputs.
 
-    # Until the node is whole, rclpy makes what it needs for itself.
-    _edges_are_ours = False
-    is_active: bool
-    get_name: Callable[[], str]
+    Put in place of a node's own methods, once rclpy has made what it needs for itself.
+    """
 
-    def take_edges(self, clock: ReplayClock, outputs: list[Output]) -> None:
-        """From now on nothing reaches the network."""
-        self.replay_clock = clock
+    def __init__(self, node: Any, clock: ReplayClock, outputs: list[Output]) -> None:
+        self.node = node
         self.inputs: dict[str, Input] = {}
         self.published: set[str] = set()
+        self._clock = clock
         self._outputs = outputs
-        self._edges_are_ours = True
+        node.now_ns = lambda: clock.now_ns
+        node.create_subscription = self._subscribe
+        node.create_publisher = node.create_lifecycle_publisher = self._announce
+        node.create_timer = self._add_timer
 
-    def now_ns(self) -> int:
-        """Time of the replay."""
-        return self.replay_clock.now_ns if self._edges_are_ours else 0
-
-    def keep(self, topic: str, message: Any) -> None:
-        """Keep an output; a node that is not active has none."""
-        if self.is_active:
-            from rclpy.serialization import serialize_message
-
-            data = bytes(serialize_message(message))
-            self._outputs.append(
-                Output(self.get_name(), topic, self.replay_clock.now_ns, message, data)
-            )
-
-    def create_subscription(self, *arguments: Any, **options: Any) -> Any:
-        """Keep the callback."""
-        if not self._edges_are_ours:
-            return super().create_subscription(*arguments, **options)  # type: ignore[misc]
-        kind, topic, callback = arguments[:3]
+    def _subscribe(self, kind: Any, topic: str, callback: Any, *_: Any, **__: Any) -> None:
         self.inputs[topic] = Input(kind, callback)
-        return None
 
-    def create_publisher(self, *arguments: Any, **options: Any) -> Any:
-        """Publish into a list."""
-        if not self._edges_are_ours:
-            return super().create_publisher(*arguments, **options)  # type: ignore[misc]
-        return self._publisher(arguments[1])
-
-    def create_lifecycle_publisher(self, *arguments: Any, **options: Any) -> Any:
-        """Publish into a list."""
-        if not self._edges_are_ours:
-            return super().create_lifecycle_publisher(*arguments, **options)  # type: ignore[misc]
-        return self._publisher(arguments[1])
-
-    def _publisher(self, topic: str) -> _Publisher:
+    def _announce(self, _kind: Any, topic: str, *_: Any, **__: Any) -> Any:
         self.published.add(topic)
-        return _Publisher(self, topic)
+        return SimpleNamespace(publish=partial(self._keep, topic))
 
-    def create_timer(self, *arguments: Any, **options: Any) -> Any:
-        """Wait on the time of the replay."""
-        if not self._edges_are_ours:
-            return super().create_timer(*arguments, **options)  # type: ignore[misc]
-        period_s, callback = arguments[:2]
-        timer: ReplayTimer = self.replay_clock.add_timer(round(period_s * 1e9), callback)
-        return timer
+    def _add_timer(
+        self, period_s: float, callback: Callable[[], Any], *_: Any, **__: Any
+    ) -> ReplayTimer:
+        return self._clock.add_timer(round(period_s * 1e9), callback)
 
-
-def _topology() -> Any:
-    from jfto_topology.node.topology_node import TopologyNode
-
-    return TopologyNode
-
-
-def _power() -> Any:
-    from jfto_power.power_node import PowerNode
-
-    return PowerNode
-
-
-# Name for the command line: how to get the node's class.
-NODES: dict[str, Callable[[], Any]] = {"topology": _topology, "power": _power}
+    def _keep(self, topic: str, message: Any) -> None:
+        """Keep an output; a node that is not active has none."""
+        if self.node.is_active:
+            package, kind, _ = type(message).__module__.split(".")
+            name = f"{package}/{kind}/{type(message).__name__}"
+            # rclpy leaves garbage in the padding, so the fields are written anew.
+            fields = _TYPES.deserialize_cdr(serialize_message(message), name)
+            data = bytes(_TYPES.serialize_cdr(fields, name))
+            self._outputs.append(Output(topic, name, self._clock.now_ns, message, data))
 
 
 @contextlib.contextmanager
 def replay_nodes(
     names: list[str], parameters: Path, clock: ReplayClock, outputs: list[Output]
-) -> Iterator[list[Any]]:
-    """The nodes, active, off the network. Raises JftoError for parameters that do not fit."""
-    require_ros()
-    from rclpy.context import Context
-    from rclpy.parameter import Parameter
-
+) -> Iterator[list[ReplayEdges]]:
+    """Edges of the nodes, active, off the network. Raises JftoError for unfit parameters."""
     if not parameters.is_file():
         raise BagError(f"{parameters}: no such parameter file. Name one with --params-file.")
-    with _isolated():
-        context = Context()
-        context.init(args=[], domain_id=_DOMAIN_ID)
-        nodes: list[Any] = []
-        try:
-            for name in names:
-                kind = NODES[name]()
-                node = type(f"Replayed{kind.__name__}", (ReplayEdges, kind), {})(
-                    context=context,
-                    cli_args=["--ros-args", "--params-file", str(parameters)],
-                    use_global_arguments=False,
-                    enable_rosout=False,
-                    start_parameter_services=False,
-                )
-                nodes.append(node)
-                for each in _LEFT_OUT:
-                    if node.has_parameter(each):
-                        (result,) = node.set_parameters([Parameter(each, value="")])
-                        if not result.successful:
-                            raise BagError(f"{parameters}: {each}: {result.reason}")
-                node.take_edges(clock, outputs)
-                # Recorded outputs are those of an active node, whoever had activated it.
-                node.autostart = True
-                node.start()
-            yield nodes
-        finally:
-            for node in nodes:
-                node.destroy_node()
-            context.try_shutdown()
+    context = Context()
+    nodes: list[Any] = []
+    try:
+        with _isolated():
+            context.init(args=[], domain_id=_DOMAIN_ID)
+        for name in names:
+            nodes.append(_make_node(name, parameters, context))
+        edges = [ReplayEdges(node, clock, outputs) for node in nodes]
+        for node in nodes:
+            # Recorded outputs are those of an active node, whoever had activated it.
+            node.autostart = True
+            node.start()
+        yield edges
+    finally:
+        for node in nodes:
+            node.destroy_node()
+        context.try_shutdown()
+
+
+def _make_node(name: str, parameters: Path, context: Context) -> Any:
+    node: Any = NODES[name](
+        context=context,
+        cli_args=["--ros-args", "--params-file", str(parameters)],
+        use_global_arguments=False,
+        enable_rosout=False,
+        start_parameter_services=False,
+    )
+    node.set_parameters(
+        [Parameter(each, value="") for each in _LEFT_OUT if node.has_parameter(each)]
+    )
+    return node
 
 
 @contextlib.contextmanager

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import re
 import time
@@ -11,22 +12,23 @@ from typing import Any
 import click
 
 from jfto.cli.options import debug_option
-from jfto.cli.ros_options import graph_options, session_of
+from jfto.cli.ros_options import session_of, spin_option
 
 _PATH = click.Path(path_type=Path)
+_RATE = click.FloatRange(0, min_open=True)
+_SECONDS = click.FloatRange(0)
 
 
 @click.group("bag")
 def command() -> None:
-    """ROS 2 bags, with or without ROS installed."""
+    """ROS 2 bags: record, look inside, play, replay."""
 
 
 @command.command("info")
 @click.argument("bag", type=_PATH)
 @click.option("-t", "--topic-name", "names_only", is_flag=True, help="Print topic names only.")
-@click.option("-v", "--verbose", is_flag=True, hidden=True)
 @debug_option
-def info(bag: Path, names_only: bool, verbose: bool, debug: bool) -> int:  # noqa: ARG001
+def info(bag: Path, names_only: bool, debug: bool) -> int:  # noqa: ARG001
     """Show what BAG holds: a folder, or an .mcap or .db3 file. Reads unfinished recordings too."""
     from jfto.bag.info_text import info_text
     from jfto.bag.reader import Bag
@@ -44,15 +46,11 @@ def info(bag: Path, names_only: bool, verbose: bool, debug: bool) -> int:  # noq
 
 @command.command("record")
 @click.argument("topics", nargs=-1)
-@click.option("--topics", "more_topics", multiple=True, metavar="TOPIC", help="Record this topic.")
 @click.option("-a", "--all", "everything", is_flag=True, help="Record all topics.")
 @click.option("-e", "--regex", metavar="REGEX", help="Record topics that match.")
 @click.option("-x", "--exclude-topics", "excluded", multiple=True, metavar="TOPIC")
-@click.option("--include-hidden-topics", "hidden", is_flag=True)
-@click.option("-o", "--output", "output", type=_PATH, metavar="DIR", help="Folder to make.")
-@click.option(
-    "--next-free", is_flag=True, help="If DIR is there, record to DIR-2, DIR-3 and so on."
-)
+@click.option("-o", "--output", type=_PATH, metavar="DIR", help="Folder to make.")
+@click.option("--next-free", is_flag=True, help="If DIR is there, record to DIR-2, DIR-3 and so on")
 @click.option(
     "--use-sim-time",
     "sim_time",
@@ -62,7 +60,6 @@ def info(bag: Path, names_only: bool, verbose: bool, debug: bool) -> int:  # noq
 @click.option("--compress", is_flag=True, help="Compress the messages with zstd.")
 @click.option(
     "--params-file",
-    "parameters",
     type=_PATH,
     metavar="FILE",
     help="Keep this parameter file in the bag, for `jfto bag replay`.",
@@ -73,57 +70,46 @@ def info(bag: Path, names_only: bool, verbose: bool, debug: bool) -> int:  # noq
     is_flag=True,
     help="Ask all nodes for their parameters and keep those in the bag.",
 )
-@graph_options
 @debug_option
 def record(
-    topics: tuple[str, ...],
-    output: Path | None,
-    parameters: Path | None,
-    spin_time: float,
-    debug: bool,  # noqa: ARG001
-    **choices: Any,
+    topics: tuple[str, ...], output: Path | None, params_file: Path | None, **choices: Any
 ) -> int:
     """Record TOPICS, those that appear later included, until interrupted.
 
     An mcap bag of version 9 that `ros2 bag` plays. A kill costs no more than the last second.
     """
-    from jfto.bag.parameter_keeper import ParameterKeeper
-    from jfto.bag.record import NODE_NAME, Choice, Recording
+    from jfto.bag.choice import Choice
     from jfto.bag.recorder import PARAMETERS_NAME, BagRecorder
     from jfto.supervision.die_with_parent import die_with_parent
-    from jfto_msgs_py.files import write_file
+    from jfto_msgs_py.errors import InputError
+    from jfto_msgs_py.files import read_text, write_file
 
     chosen = Choice(
-        topics=(*topics, *choices["more_topics"]),
-        pattern=_pattern(choices["regex"]),
-        everything=choices["everything"],
-        hidden=choices["hidden"],
-        excluded=choices["excluded"],
+        frozenset(topics),
+        _pattern(choices["regex"]),
+        choices["everything"],
+        frozenset(choices["excluded"]),
     )
-    if not (chosen.topics or chosen.pattern or chosen.everything):
-        click.echo(
-            "[ERROR] [ros2bag]: Need to specify at least one option out of --all, --topics or "
-            "--regex",
-            err=True,
-        )
-        return 1
-    if parameters is not None and choices["ask_nodes"]:
+    if not (topics or chosen.is_open_ended):
+        raise click.UsageError("Name topics, or give --all or --regex.")
+    if params_file is not None and choices["ask_nodes"]:
         raise click.UsageError("--params-file and --parameters exclude each other.")
-    kept = None if parameters is None else _read_parameters(parameters)
+    kept = None if params_file is None else read_text(params_file, InputError, "parameter", 10**7)
     path = output or Path(time.strftime("rosbag2_%Y_%m_%d-%H_%M_%S"))
-    if choices["next_free"]:
-        path = _next_free(path)
+    path = _next_free(path) if choices["next_free"] else path
     if path.exists():
-        click.echo(f"[ERROR] [ros2bag]: Output folder '{path}' already exists.", err=True)
-        return 1
+        raise click.BadParameter(f"'{path}' is there already.", param_hint="--output")
     die_with_parent()
-    with session_of(spin_time, NODE_NAME, sim_time=choices["sim_time"]) as session:
+    with session_of(node_name="rosbag2_recorder") as session:
+        from jfto.bag.parameter_keeper import ParameterKeeper
+        from jfto.bag.record import Recording
+
         recorder = BagRecorder(path, compress=choices["compress"])
         if kept is not None:
             write_file(path / PARAMETERS_NAME, kept)
-        keeper = ParameterKeeper(session, path) if choices["ask_nodes"] else None
+        keeper = ParameterKeeper(session.node, path) if choices["ask_nodes"] else None
         try:
-            Recording(session, recorder, chosen, keeper).run()
+            Recording(session, recorder, chosen, keeper, sim_time=choices["sim_time"]).run()
         finally:
             recorder.close()
     click.echo(f"{path}: {recorder.message_count} messages", err=True)
@@ -136,13 +122,6 @@ def _next_free(path: Path) -> Path:
     return next(each for each in itertools.chain([path], numbered) if not each.exists())
 
 
-def _read_parameters(path: Path) -> str:
-    try:
-        return path.read_text("utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise click.BadParameter(f"{path}: {error}", param_hint="--params-file") from None
-
-
 def _pattern(text: str | None) -> re.Pattern[str] | None:
     try:
         return None if text is None else re.compile(text)
@@ -153,52 +132,45 @@ def _pattern(text: str | None) -> re.Pattern[str] | None:
 @command.command("play")
 @click.argument("bag", type=_PATH)
 @click.argument("more", nargs=-1, metavar="[TOPIC]... [OLD:=NEW]...")
-@click.option(
-    "-r", "--rate", type=click.FloatRange(0, min_open=True), default=1.0, show_default=True
-)
+@click.option("-r", "--rate", type=_RATE, default=1.0, show_default=True)
 @click.option("--topics", multiple=True, metavar="TOPIC", help="Play this topic; more may follow.")
-@click.option("--exclude-topics", "excluded", multiple=True, metavar="TOPIC")
 @click.option(
     "--clock",
     "clock_hz",
-    type=click.FloatRange(0, min_open=True),
+    type=_RATE,
     is_flag=False,
     flag_value=40.0,
     metavar="[HZ]",
     help="Publish /clock, 40 times a second if not told otherwise.",
 )
-@click.option("--start-offset", type=click.FloatRange(0), default=0.0, metavar="SECONDS")
-@click.option("-d", "--delay", type=click.FloatRange(0), default=0.0, metavar="SECONDS")
+@click.option("--start-offset", "start_offset_s", type=_SECONDS, default=0.0, metavar="SECONDS")
 @click.option("-l", "--loop", is_flag=True, help="Begin anew at the end.")
 @click.option("-m", "--remap", multiple=True, metavar="OLD:=NEW")
-@graph_options
+@spin_option
 @debug_option
-def play(bag: Path, spin_time: float, debug: bool, **choices: Any) -> int:  # noqa: ARG001
+def play(
+    bag: Path,
+    more: tuple[str, ...],
+    topics: tuple[str, ...],
+    remap: tuple[str, ...],
+    spin_time: float,
+    debug: bool,  # noqa: ARG001
+    **options: Any,
+) -> int:
     """Publish the messages of BAG with the QoS that was recorded."""
-    from jfto.bag.player import NODE_NAME, Player, PlayOptions
     from jfto.bag.reader import Bag
-    from jfto.ros_cli.session import Stopped
 
-    rules = [*choices["remap"], *(each for each in choices["more"] if ":=" in each)]
-    topics = [*choices["topics"], *(each for each in choices["more"] if ":=" not in each)]
-    options = PlayOptions(
-        rate=choices["rate"],
-        topics=frozenset(topics),
-        excluded=frozenset(choices["excluded"]),
-        remap=_remap(rules),
-        clock_hz=choices["clock_hz"],
-        start_offset_s=choices["start_offset"],
-        delay_s=choices["delay"],
-        loop=choices["loop"],
-    )
+    renamed = _remap([*remap, *(each for each in more if ":=" in each)])
     opened = Bag(bag)
-    with session_of(spin_time, NODE_NAME) as session:
-        player = Player(session, opened, options)
-        try:
-            player.run()
-        except Stopped:
-            # As in ros2 bag, an end before the end is no failure.
-            return 0
+    with session_of(spin_time, "rosbag2_player") as session:
+        from jfto.bag.player import Player, PlayOptions
+        from jfto.ros_cli.session import Stopped
+
+        options["topics"] = frozenset((*topics, *(each for each in more if ":=" not in each)))
+        options["remap"] = renamed
+        # As in ros2 bag, an end before the end is no failure.
+        with contextlib.suppress(Stopped):
+            Player(session, opened, PlayOptions(**options)).run()
     return 0
 
 
@@ -221,7 +193,6 @@ def _remap(rules: list[str]) -> dict[str, str]:
 )
 @click.option(
     "--params-file",
-    "parameters",
     type=_PATH,
     metavar="FILE",
     help="Parameters of the run: its scenario. Default: BAG/parameters.yaml.",
@@ -229,7 +200,7 @@ def _remap(rules: list[str]) -> dict[str, str]:
 @click.option(
     "--tolerance",
     "tolerance_db",
-    type=click.FloatRange(0),
+    type=_SECONDS,
     default=0.05,
     show_default=True,
     metavar="DB",
@@ -240,27 +211,29 @@ def _remap(rules: list[str]) -> dict[str, str]:
 def replay(
     bag: Path,
     nodes: str,
-    parameters: Path | None,
+    params_file: Path | None,
     tolerance_db: float,
     output: Path | None,
     debug: bool,  # noqa: ARG001
 ) -> int:
     """Feed BAG to nodes by message time, and compare their outputs with the recorded ones.
 
-    No network and no clock: the same bag gives the same bytes. Status 0 if all outputs are within
-    the tolerance, 1 if not.
+    No network and no clock: the same bag gives the same outputs. Status 0 if all outputs are
+    within the tolerance, 1 if not.
     """
+    from jfto_msgs_py.ros.installation import require_ros
+
+    require_ros()
     from jfto.bag.reader import Bag
     from jfto.bag.recorder import PARAMETERS_NAME
     from jfto.bag.replay import replay_bag, write_outputs
     from jfto.bag.replay_node import NODES
 
     names = [name.strip() for name in nodes.split(",") if name.strip()]
-    unknown = [name for name in names if name not in NODES]
-    if unknown or not names:
+    if not names or not set(names) <= set(NODES):
         raise click.BadParameter(f"choose from {', '.join(NODES)}.", param_hint="--nodes")
     folder = bag if bag.is_dir() else bag.parent
-    found = replay_bag(Bag(bag), names, parameters or folder / PARAMETERS_NAME, tolerance_db)
+    found = replay_bag(Bag(bag), names, params_file or folder / PARAMETERS_NAME, tolerance_db)
     if output is not None:
         write_outputs(found, output)
     click.echo(f"{found.input_count} inputs, {len(found.outputs)} outputs, {found.digest[:16]}")

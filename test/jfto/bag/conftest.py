@@ -1,4 +1,4 @@
-"""A DDS domain of this process's own, and recorded bags."""
+"""Recorded bags."""
 
 from __future__ import annotations
 

@@ -1,42 +1,59 @@
-"""`jfto bag info` against what `ros2 bag info` printed of the same bags."""
+"""`jfto bag info`."""
 
 from __future__ import annotations
 
-import re
-from pathlib import Path
-
 import pytest
 
+from jfto.bag.contents import BagFacts, BagTopic
+from jfto.bag.info_text import info_text
 from jfto.cli.main import main
 
-TRANSCRIPTS = Path(__file__).parents[2] / "data" / "ros_cli" / "bag_cli.md"
-# The bags of the other transcripts were not kept.
-KEPT = ("jazzy_mcap", "jazzy_sqlite3", "jazzy_mcap_zstd", "nope")
 
-
-def _entries():
-    text = TRANSCRIPTS.read_text()
-    heads = list(
-        re.finditer(r"^`\$ ros2 bag (info.*?)` → exit status \*\*(\d+)\*\*.*$", text, re.M)
-    )
-    for head in heads:
-        body = text[head.end() :].partition("\n`$ ")[0]
-        blocks = dict(re.findall(r"^(stdout|stderr):\n```\n(.*?)\n?```$", body, re.M | re.S))
-        words = head[1].split()
-        if words[-1].partition("/")[0] in KEPT and "--sort" not in words and "-s" not in words:
-            yield pytest.param(words, int(head[2]), blocks, id=head[1])
-
-
-@pytest.mark.parametrize(("words", "status", "blocks"), list(_entries()))
-def test_info_is_rosbag2s(words, status, blocks, bags, capsys):
-    """Status and text are what the real tool gave; a usage error differs in the usage line."""
-    assert main(["bag", *words]) == status
+def test_facts_of_a_bag_of_ros2(bags, capsys):
+    """Files, size, span and each topic with its type and count, laid out as ros2 bag does."""
+    assert main(["bag", "info", "jazzy_sqlite3"]) == 0
     out, err = capsys.readouterr()
-    assert out.rstrip("\n") == blocks.get("stdout", "").rstrip("\n")
-    if status:
-        assert err.strip() in blocks["stderr"]
+    lines = out.splitlines()
+    assert "Files:             jazzy_sqlite3_0.db3" in lines
+    assert "Storage id:        sqlite3" in lines
+    assert "Messages:          353" in lines
+    assert any(
+        line.endswith(
+            "Topic: /uav1/pose | Type: geometry_msgs/msg/PoseStamped | Count: 117 | "
+            "Serialization Format: cdr"
+        )
+        for line in lines
+    )
+    assert err == ""
 
 
-def test_seven_transcripts_are_compared():
-    """The list above has not become empty."""
-    assert len(list(_entries())) == 7
+def test_recovered_bag_says_so(bags, capsys):
+    """What was recovered is shown, and that it may not be all; topics alone are one a line."""
+    assert main(["bag", "info", "split_sqlite3"]) == 0
+    out, err = capsys.readouterr()
+    assert "Messages:          30" in out
+    assert "not finished" in err
+    assert main(["bag", "info", "-t", "jazzy_mcap"]) == 0
+    assert "/uav1/pose\n" in capsys.readouterr().out
+
+
+def test_no_bag_is_an_error(bags, capsys):
+    """A path that is not there is bad input."""
+    assert main(["bag", "info", "nope"]) == 2
+    assert "Bag path 'nope' does not exist!" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("size", "text"), [(0, "0 B"), (1023, "1023 B"), (2048, "2.0 KiB"), (5 << 20, "5.0 MiB")]
+)
+def test_service_events_are_no_topics(size, text):
+    """Events of calls are counted as those of a service; sizes have the unit that fits."""
+    topics = (
+        BagTopic("/a", "std_msgs/msg/Empty", "cdr", (), 3),
+        BagTopic("/go/_service_event", "std_srvs/srv/Trigger_Event", "cdr", (), 4),
+    )
+    shown = info_text(BagFacts(("a.mcap",), size, "mcap", "jazzy", 10**9, 2 * 10**9, topics))
+    assert f"Bag size:          {text}\n" in shown
+    assert "Messages:          3\n" in shown
+    assert "Service: /go | Type: std_srvs/srv/Trigger | Events: 4" in shown
+    assert "_service_event" not in shown
