@@ -80,6 +80,16 @@ class Comparison:
         """C-TOP's result."""
         return next(result for result in self.results if result.name == OURS)
 
+    @property
+    def throughput_ratios(self) -> dict[str, float]:
+        """C-TOP's throughput over that of each baseline that has any."""
+        ours = self.ours.linked.mean_throughput_mbps
+        return {
+            result.name: ours / result.linked.mean_throughput_mbps
+            for result in self.results
+            if result.name != OURS and result.linked.mean_throughput_mbps > 0
+        }
+
     def table(self) -> str:
         """The figures as plain text, one line per algorithm."""
         lines = [f"{'':8} {'Mb/s':>9} {'ξ %':>7} {'hops':>6} {'neighbours':>11} {'all fly':>8}"]
@@ -121,14 +131,12 @@ def compare(plan: Plan, n_dc: int, progress: Progress = SILENT) -> Comparison:
         good=ours.traverses_all,
     )
     progress.begin("compare", "MTP, A-LMST, CPAPO")
-    results = [*_baselines(rate), ours]
-    progress.end("compare", "4 algorithms", _ratios(results))
-    return Comparison(
-        results=tuple(sorted(results, key=lambda result: ALGORITHMS.index(result.name))),
-        gain=network.gain,
-        n_dc=n_dc,
-        notes=tuple(notes),
-    )
+    results = (*_baselines(rate), ours)
+    comparison = Comparison(results, gain=network.gain, n_dc=n_dc, notes=tuple(notes))
+    ratios = [f"{ratio:.2f} × {name}" for name, ratio in comparison.throughput_ratios.items()]
+    words = f"throughput {', '.join(ratios)}" if ratios else "no baseline has any throughput"
+    progress.end("compare", f"{len(results)} algorithms", words)
+    return comparison
 
 
 @dataclass(frozen=True)
@@ -214,11 +222,3 @@ def _slots_text(slots: NDArray[np.intp]) -> str:
     runs = np.split(slots, np.flatnonzero(np.diff(slots) > 1) + 1)
     texts = [f"{run[0]}" if len(run) == 1 else f"{run[0]}–{run[-1]}" for run in runs]
     return f"slot{'s' if len(slots) > 1 else ''} {', '.join(texts)}"
-
-
-def _ratios(results: list[AlgorithmResult]) -> str:
-    ours = results[-1].linked.mean_throughput_mbps
-    others = (
-        f"{ours / other.linked.mean_throughput_mbps:.2f} × {other.name}" for other in results[:-1]
-    )
-    return "throughput " + ", ".join(others)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from jfto.analysis.comparison import ALGORITHMS, AlgorithmResult, Comparison, LinkMetrics
-from jfto.analysis.paper import PAPER, PaperRow, throughput_ratios
+from jfto.analysis.paper import PAPER, PaperRow
 from jfto_msgs_py.certificate import Certificate
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.files import write_file
@@ -68,7 +68,7 @@ def comparison_object(plan: Plan, comparison: Comparison, scene: str) -> dict[st
             "seed": plan.seed,
             "n_dc": comparison.n_dc,
             "algorithms": algorithms,
-            "throughput_ratios": throughput_ratios(comparison),
+            "throughput_ratios": comparison.throughput_ratios,
             "notes": comparison.notes,
         }
     )

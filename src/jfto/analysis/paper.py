@@ -65,23 +65,13 @@ def beside_paper(result: AlgorithmResult, scene: str) -> list[tuple[str, str]]:
     return list(zip(ours, beside, strict=True))
 
 
-def throughput_ratios(comparison: Comparison) -> dict[str, float]:
-    """C-TOP's throughput over each baseline's."""
-    ours = comparison.ours.linked.mean_throughput_mbps
-    return {
-        result.name: ours / result.linked.mean_throughput_mbps
-        for result in comparison.results
-        if result.name != OURS and result.linked.mean_throughput_mbps > 0
-    }
-
-
 def ratios_text(comparison: Comparison, scene: str) -> str:
     """These ratios with the paper's, as "1.64 × A-LMST (paper 2.78), …"; empty without any."""
     rows = PAPER.get(scene)
     theirs = {} if rows is None else {n: rows[OURS].throughput / rows[n].throughput for n in rows}
     return ", ".join(
         f"{ratio:.2f} × {name}" + (f" (paper {theirs[name]:.2f})" if name in theirs else "")
-        for name, ratio in throughput_ratios(comparison).items()
+        for name, ratio in comparison.throughput_ratios.items()
     )
 
 

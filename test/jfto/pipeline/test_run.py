@@ -103,6 +103,18 @@ def test_ctop_keeps_the_budget_and_the_neighbour_rule(tiny_run: tuple[Path, Run]
     assert (ours.active.links <= ours.linked.links).all()
 
 
+def test_an_infeasible_run_has_its_report_too(tiny: Path, tmp_path: Path) -> None:
+    """Where no energy lasts, nothing has any throughput, and the page lists what is violated."""
+    run = run_all(load_scenario(tiny, ["fleet.energy_j=0.001"]), tmp_path)
+    assert run.plan_path == tmp_path / "plan.infeasible.json"
+    assert run.comparison is not None
+    assert run.comparison.throughput_ratios == {}
+    assert run.report is not None
+    page = run.report.read_text(encoding="utf-8")
+    assert "Infeasible as planned" in page
+    assert "<h3>Violations</h3>" in page
+
+
 def test_an_infeasible_plan_never_replaces_a_clean_one(
     tiny_run: tuple[Path, Run], tmp_path: Path
 ) -> None:
