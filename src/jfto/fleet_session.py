@@ -11,8 +11,9 @@ from pathlib import Path
 from jfto.simulated_fleet import PadGround, Place, vehicle_configs
 from jfto_mavlink.errors import RosterError
 from jfto_mavlink.fleet.fly import Runner
-from jfto_mavlink.fleet.link import FleetLink, LinkSettings
+from jfto_mavlink.fleet.link import FleetLink
 from jfto_mavlink.fleet.roster import Roster, RosterEntry, parse_vehicles
+from jfto_mavlink.fleet.station import StationSettings
 from jfto_mavlink.io.address import free_udp_port, parse_address
 from jfto_mavlink.io.signing import load_signer
 from jfto_mavlink.protocol.setup import DEFAULT_RATES
@@ -64,7 +65,7 @@ def open_fleet(
     if speedup != 1.0:
         raise RosterError(201, "--speedup is for simulated vehicles (sim:N); real ones keep time.")
     signer = None if key_file is None else load_signer(key_file)
-    settings = LinkSettings(signer=signer, rates=rates, log_directory=log_directory)
+    settings = StationSettings(signer=signer, rates=rates, log_directory=log_directory)
     with FleetLink(roster, settings, on_event=on_event) as bridge:
         if complete:
             bridge.wait_heard(HEARD_WAIT_S)
@@ -98,7 +99,7 @@ def _simulated(
         SimServer(configs, settings),
         FleetLink(
             roster,
-            LinkSettings(rates=rates, log_directory=log_directory),
+            StationSettings(rates=rates, log_directory=log_directory),
             clock=clock,
             unix=unix,
             on_event=on_event,

@@ -53,7 +53,6 @@ class MavlinkError(JftoError):
     def __init__(self, code: int, message: str) -> None:
         super().__init__(f"{message} [MAV-{code}]")
         self.code = code
-        self.meaning = CODES[code]
 
 
 class LinkError(MavlinkError):

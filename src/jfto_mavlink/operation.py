@@ -14,9 +14,10 @@ from pathlib import Path
 
 from jfto_mavlink.errors import LinkError, RosterError
 from jfto_mavlink.fleet.fly import Fleet, Reporter
-from jfto_mavlink.fleet.link import FleetLink, LinkSettings
+from jfto_mavlink.fleet.link import FleetLink
 from jfto_mavlink.fleet.orders import FleetOrders, OrderSettings
 from jfto_mavlink.fleet.roster import Roster, parse_vehicles
+from jfto_mavlink.fleet.station import StationSettings
 from jfto_mavlink.fleet.watched_flight import Recognised, WatchedFlight, recognise_all
 from jfto_mavlink.flight.follow import Moment
 from jfto_mavlink.flight.telemetry import LinkState, Measurement, PositionSample, Sample, listen
@@ -100,7 +101,7 @@ def open_operation(
     link = stack.enter_context(
         FleetLink(
             real_roster(options, ids),
-            LinkSettings(
+            StationSettings(
                 signer=load_signer(Path(options.key_file)) if options.key_file else None,
                 rates=rates_for(options.telemetry_rate_hz, options.speedup),
                 log_directory=Path(options.log_directory) if options.log_directory else None,
@@ -169,13 +170,13 @@ class Operation:
             self.link.start(uav, job)
         recognise_all(self.link, missions, self._node.incoming)
 
-    def take(self, news: LinkState | Recognised) -> None:
+    def take(self, one: LinkState | Recognised) -> None:
         """Take in what a vehicle does, or was found doing at the beginning."""
-        if isinstance(news, Recognised):
-            self.flight.found(news)
+        if isinstance(one, Recognised):
+            self.flight.found(one)
             return
-        self.states[news.uav] = news
-        self.flight.take(news)
+        self.states[one.uav] = one
+        self.flight.take(one)
 
     def pose(self, sample: PositionSample, stamp_ns: int) -> VehiclePose:
         """A position on the plan's map."""

@@ -12,7 +12,7 @@ from typing import TypeVar
 from jfto_mavlink.dialect import Message
 from jfto_mavlink.errors import RosterError
 from jfto_mavlink.fleet.roster import Roster, RosterEntry
-from jfto_mavlink.fleet.station import GroundStation
+from jfto_mavlink.fleet.station import GroundStation, StationSettings
 from jfto_mavlink.flight.telemetry import LOST_AFTER_S
 from jfto_mavlink.io.address import LinkAddress
 from jfto_mavlink.io.port import Port, Station
@@ -132,9 +132,8 @@ class Rehearsal:
             self._transmit,
             self.clock,
             lambda: first.utc_us / 1e6,
-            station=station,
-            rates=rates,
-            log=log,
+            StationSettings(station, rates=rates),
+            log,
         )
 
     def clock(self) -> float:

@@ -1,4 +1,4 @@
-"""Simulated flights in virtual time, and the bridge's book-keeping that listens to them."""
+"""Simulated flights in virtual time, and the record of the flight that listens to them."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Flight:
     """Simulated vehicles of a plan on their missions, and what an operator is told.
 
     Times are the vehicles' own UTC. `vehicles` are those of another flight that go on, `path` is
-    where the book of the flight is.
+    where the state of the flight is kept.
     """
 
     def __init__(self, plan, path=None, vehicles=None) -> None:
@@ -41,7 +41,7 @@ class Flight:
         self.runner = Rehearsal(self.vehicles, step_s=0.02)
         self.events = []
         self.lift_offs = []
-        self.keeper = WatchedFlight(
+        self.watched = WatchedFlight(
             self.missions,
             path,
             LOST_AFTER_S,
@@ -49,9 +49,11 @@ class Flight:
             self.lift_offs.append,
             self,
         )
-        self.keeper.begin()
+        self.watched.begin()
         for uav, mission in self.missions.items():
-            job = partial(listen, mission=mission, sink=self._take, under_way=self.keeper.under_way)
+            job = partial(
+                listen, mission=mission, sink=self._take, under_way=self.watched.under_way
+            )
             self.runner.start(uav, job)
 
     def begun_ns(self, moment) -> int | None:
@@ -67,11 +69,11 @@ class Flight:
 
     @property
     def monitor(self):
-        return self.keeper.monitor
+        return self.watched.monitor
 
     def _take(self, sample) -> None:
         if isinstance(sample, LinkState):
-            self.keeper.take(sample)
+            self.watched.take(sample)
 
     def start(self) -> None:
         """Upload, start, and wait for the fleet's lift-off."""
@@ -88,7 +90,7 @@ class Flight:
             for u, m in self.missions.items()
         }
         for vehicle in self.runner.run(jobs).values():
-            self.keeper.found(vehicle)
+            self.watched.found(vehicle)
         self.runner.advance(1.0)
 
     def told(self, kind: str, uav: str) -> list[str]:

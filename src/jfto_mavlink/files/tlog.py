@@ -11,8 +11,10 @@ import struct
 from collections.abc import Iterator
 from pathlib import Path
 
+from jfto_mavlink.io.framing import MAGIC_V1, MAGIC_V2, frame_length
+
 STAMP = struct.Struct(">Q")
-_MAGIC_V1, _MAGIC_V2 = 0xFE, 0xFD
+_STARTS = (bytes([MAGIC_V1]), bytes([MAGIC_V2]))
 
 
 class TlogWriter:
@@ -54,13 +56,7 @@ def _whole_records(data: bytes) -> int:
 def _record_length(data: bytes, start: int) -> int | None:
     """Length of the record at `start`, None if it is not there in full."""
     header = start + STAMP.size
-    if header + 3 > len(data):
+    length = frame_length(data, header) if data[header : header + 1] in _STARTS else None
+    if length is None or header + length > len(data):
         return None
-    payload = data[header + 1]
-    if data[header] == _MAGIC_V2:
-        length = STAMP.size + 12 + payload + (13 if data[header + 2] & 1 else 0)
-    elif data[header] == _MAGIC_V1:
-        length = STAMP.size + 8 + payload
-    else:
-        return None
-    return length if start + length <= len(data) else None
+    return STAMP.size + length

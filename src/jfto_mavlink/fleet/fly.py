@@ -111,7 +111,7 @@ PREPARE_S = 8.0
 class FlySettings:
     """`stagger_s` is the time between two starts, in the order of the roster.
 
-    `start_at_s` is the moment of the first start on the bridge's clock, for missions with time
+    `start_at_s` is the moment of the first start on the link's clock, for missions with time
     gates; None starts as soon as all are ready.
     """
 

@@ -13,8 +13,6 @@ import time
 from collections import deque
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
-from dataclasses import dataclass, field
-from pathlib import Path
 from types import TracebackType
 from typing import TypeVar
 
@@ -22,14 +20,12 @@ from jfto_mavlink.dialect import Message
 from jfto_mavlink.errors import LinkError, RosterError
 from jfto_mavlink.files.tlog import TlogWriter
 from jfto_mavlink.fleet.roster import Roster
-from jfto_mavlink.fleet.station import GroundStation
+from jfto_mavlink.fleet.station import GroundStation, StationSettings
 from jfto_mavlink.flight.telemetry import LOST_AFTER_S
 from jfto_mavlink.io.address import LinkAddress
-from jfto_mavlink.io.port import Port, Station
-from jfto_mavlink.io.signing import Signer
+from jfto_mavlink.io.port import Port
 from jfto_mavlink.io.transport import Peer
 from jfto_mavlink.protocol.exchange import Activity, Context, Exchange, Report
-from jfto_mavlink.protocol.setup import DEFAULT_RATES
 from jfto_mavlink.protocol.timesync import Clock, PacedClock, ScaledClock
 from jfto_mavlink.protocol.vehicle_state import VehicleState
 from jfto_msgs_py.records.event import WARN, Event
@@ -37,19 +33,6 @@ from jfto_msgs_py.records.event import WARN, Event
 # Longest sleep between two looks at clocks, in wall seconds.
 LOOP_S = 0.05
 T = TypeVar("T")
-
-
-@dataclass(frozen=True)
-class LinkSettings:
-    """How the station speaks: its name on the wire, its signatures, the message rates (id to Hz).
-
-    A .tlog per vehicle is written to `log_directory`; None: nowhere.
-    """
-
-    station: Station = field(default_factory=Station)
-    signer: Signer | None = None
-    rates: Mapping[int, float] = field(default_factory=lambda: DEFAULT_RATES)
-    log_directory: Path | None = None
 
 
 class FleetLink:
@@ -62,7 +45,7 @@ class FleetLink:
     def __init__(
         self,
         roster: Roster,
-        settings: LinkSettings | None = None,
+        settings: StationSettings | None = None,
         *,
         clock: PacedClock | None = None,
         unix: Clock = time.time,
@@ -70,7 +53,7 @@ class FleetLink:
     ) -> None:
         self.clock: PacedClock = clock or ScaledClock()
         self.roster = roster
-        settings = settings or LinkSettings()
+        settings = settings or StationSettings()
         self._ports: dict[LinkAddress, Port] = {}
         self._logs: dict[str, TlogWriter] = {}
         self._unix = unix
@@ -84,7 +67,7 @@ class FleetLink:
         self._stopping = False
         try:
             for index, link in enumerate(roster.links):
-                self._ports[link] = Port(link, settings.station, index, settings.signer)
+                self._ports[link] = Port(link, settings.id, index, settings.signer)
             if settings.log_directory is not None:
                 for uav in roster.uavs:
                     self._logs[uav] = TlogWriter(settings.log_directory / f"{uav}.tlog")
@@ -96,9 +79,8 @@ class FleetLink:
             self._transmit,
             self.clock,
             unix,
-            station=settings.station,
-            rates=settings.rates,
-            log=self._write_log if self._logs else None,
+            settings,
+            self._write_log if self._logs else None,
         )
         self._thread = threading.Thread(target=self._loop, name="mavlink links", daemon=True)
 

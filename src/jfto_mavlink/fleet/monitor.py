@@ -15,7 +15,7 @@ from jfto_mavlink.fleet.fly import Fleet
 from jfto_mavlink.flight.follow import Moment
 from jfto_mavlink.flight.telemetry import LOST_AFTER_S, LinkState, Sample, listen
 from jfto_mavlink.mission.build import VehicleMission
-from jfto_mavlink.mission.place import distance_m
+from jfto_mavlink.protocol.item import distance_m
 from jfto_msgs_py.records.event import ERROR, INFO, WARN, Event
 
 # Vehicles of a fleet start together; after this long the ones that have not are not waited for.

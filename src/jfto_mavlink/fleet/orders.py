@@ -97,14 +97,16 @@ class FleetOrders:
         if line is not None:
             line.failed = line.failed or "abort"
             line.reason = line.reason or "the operator aborted"
-        how, word = (land, "landing") if self.settings.land_on_abort else (return_home, "returning")
+        how, doing = (
+            (land, "landing") if self.settings.land_on_abort else (return_home, "returning")
+        )
 
         def job(context: Context) -> Exchange[str]:
             if hurried and not in_flight(context.vehicle):
                 yield from wait_until(context, context.clock() + SETTLE_S)
             if in_flight(context.vehicle):
                 yield from how(context)
-                return word
+                return doing
             yield from disarm(context)
             return "on the ground"
 
@@ -156,11 +158,11 @@ class FleetOrders:
             raise FlightError(601, f"No vehicle that could: {modes}.")
         return chosen
 
-    def _all(self, chosen: list[str], job: Callable[[Context], Exchange[None]], word: str) -> str:
+    def _all(self, chosen: list[str], job: Callable[[Context], Exchange[None]], doing: str) -> str:
         results = self.fleet.runner.run(dict.fromkeys(chosen, job), self.fleet.report)
         others = [uav for uav in self.missions if uav not in chosen]
         rest = f"; left alone: {', '.join(others)}" if others else ""
-        return _told(results, lambda _result: word) + rest
+        return _told(results, lambda _result: doing) + rest
 
     @contextmanager
     def _order(self, verb: str) -> Iterator[None]:
@@ -191,10 +193,10 @@ def in_flight(vehicle: VehicleState) -> bool:
     return vehicle.armed and vehicle.landed_state != mavlink.MAV_LANDED_STATE_ON_GROUND
 
 
-def _told(results: Mapping[str, object], word: Callable[[object], str]) -> str:
+def _told(results: Mapping[str, object], doing: Callable[[object], str]) -> str:
     """What became of each vehicle; raises FlightError 603 where one did not obey."""
     failed = [str(result) for result in results.values() if isinstance(result, Exception)]
-    done = [f"{u} {word(r)}" for u, r in results.items() if not isinstance(r, Exception)]
+    done = [f"{u} {doing(r)}" for u, r in results.items() if not isinstance(r, Exception)]
     if failed:
         raise FlightError(603, " ".join([*failed, *(f"{text}." for text in done)]))
     return ", ".join(done)

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from jfto_mavlink.dialect import Message, mavlink
 from jfto_mavlink.errors import RosterError
@@ -15,6 +16,7 @@ from jfto_mavlink.fleet.roster import Identity, Roster, RosterEntry
 from jfto_mavlink.io.address import LinkAddress
 from jfto_mavlink.io.framing import Frame
 from jfto_mavlink.io.port import Station
+from jfto_mavlink.io.signing import Signer
 from jfto_mavlink.io.transport import Peer
 from jfto_mavlink.protocol.exchange import Activity, Context, Exchange, Report
 from jfto_mavlink.protocol.setup import DEFAULT_RATES, greet, missing_streams
@@ -51,6 +53,19 @@ class Track:
     greeted_s: float = float("-inf")
 
 
+@dataclass(frozen=True)
+class StationSettings:
+    """How a station speaks: its name on the wire, its signatures, the message rates (id to Hz).
+
+    A .tlog per vehicle is written to `log_directory`; None: nowhere.
+    """
+
+    id: Station = field(default_factory=Station)
+    signer: Signer | None = None
+    rates: Mapping[int, float] = field(default_factory=lambda: DEFAULT_RATES)
+    log_directory: Path | None = None
+
+
 class GroundStation:
     """All vehicles of a roster. Not thread-safe: one thread owns it."""
 
@@ -60,18 +75,16 @@ class GroundStation:
         transmit: Transmit,
         clock: Clock,
         unix: Clock,
-        *,
-        station: Station | None = None,
-        rates: Mapping[int, float] = DEFAULT_RATES,
+        settings: StationSettings,
         log: Callable[[str, bytes], None] | None = None,
     ) -> None:
         self.roster = roster
-        self.id = station or Station()
+        self.id = settings.id
         self.foreign: Counter[tuple[str, int]] = Counter()
         self._transmit = transmit
         self._clock = clock
         self._unix = unix
-        self._rates = rates
+        self._rates = settings.rates
         self._log = log or (lambda _uav, _raw: None)
         self._heartbeat_s = self._timesync_s = self._looked_s = float("-inf")
         self.tracks = {entry.uav: self._track(entry) for entry in roster.entries}

@@ -30,7 +30,7 @@ AIRBORNE = (mavlink.MAV_LANDED_STATE_IN_AIR, mavlink.MAV_LANDED_STATE_TAKEOFF)
 class StartLine:
     """Shared by vehicles that start together: nobody goes before all first ones are armed.
 
-    `go_s` maps each vehicle to its moment on the bridge's clock. `failed` names who holds the
+    `go_s` maps each vehicle to its moment on the link's clock. `failed` names who holds the
     others back, `reason` says why where it is not that it did not arm.
     """
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 from jfto_mavlink.dialect import MODES, Message, mavlink
 from jfto_mavlink.flight.control import AIRBORNE
 from jfto_mavlink.mission.build import VehicleMission
-from jfto_mavlink.mission.place import Place, closest_m
 from jfto_mavlink.protocol.exchange import Context, Exchange, Report, Wait
+from jfto_mavlink.protocol.item import Place, closest_m
 from jfto_msgs_py.records.passage import Passage
 from jfto_world.motion.arducopter.takeoff import SPOOL_UP_S
 

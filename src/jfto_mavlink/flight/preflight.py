@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from jfto_mavlink.dialect import mavlink
 from jfto_mavlink.errors import CommandError, TransferError
 from jfto_mavlink.mission.deliver import verify
-from jfto_mavlink.mission.place import distance_m
 from jfto_mavlink.protocol.command import send_command
 from jfto_mavlink.protocol.exchange import Context, Exchange, Report, Wait
-from jfto_mavlink.protocol.item import Mission
+from jfto_mavlink.protocol.item import Mission, distance_m
 from jfto_mavlink.protocol.vehicle_state import VehicleState
 from jfto_msgs_py.retry import Retry
 

@@ -28,7 +28,7 @@ EPOCH_US = 1_000_000_000_000_000
 class PositionSample:
     """Position and heading; `height_m` is above home.
 
-    In all samples `at_s` is on the bridge's clock, `utc_ns` as the vehicle has UTC, if it has.
+    In all samples `at_s` is on the link's clock, `utc_ns` as the vehicle has UTC, if it has.
     """
 
     uav: str

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 from jfto_mavlink.dialect import Message, mavlink
 from jfto_mavlink.guided.reference import Reference
-from jfto_mavlink.mission.place import Place
 from jfto_mavlink.protocol.exchange import Context
+from jfto_mavlink.protocol.item import Place
 from jfto_msgs_py.types import Array
 from jfto_world.terrain.frame import LocalFrame
 

@@ -59,7 +59,7 @@ class Framer:
             at = _next_start(buffer, start)
             self.noise_bytes += at - start
             start = at
-            length = _frame_length(buffer, start)
+            length = frame_length(buffer, start)
             if length is None or start + length > len(buffer):
                 break
             raw = bytes(buffer[start : start + length])
@@ -93,7 +93,7 @@ def _next_start(buffer: bytearray, start: int) -> int:
     return min(candidates, default=len(buffer))
 
 
-def _frame_length(buffer: bytearray, start: int) -> int | None:
+def frame_length(buffer: bytes | bytearray, start: int) -> int | None:
     """Length of the frame that begins at `start`; None while its header is incomplete."""
     if start + 3 > len(buffer):
         return None

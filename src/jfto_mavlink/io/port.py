@@ -86,14 +86,6 @@ class Port:
         self.counters.frames_out += 1
         return raw
 
-    def broadcast(self, message: Message) -> None:
-        """Send to everyone heard on this link (or to its one other end)."""
-        if self.address.kind != "udpin":
-            self.send(message)
-            return
-        for peer in self._framers:
-            self.send(message, peer)
-
     @property
     def bad_frames(self) -> int:
         """Frames with a wrong checksum or form."""

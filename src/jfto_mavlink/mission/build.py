@@ -66,25 +66,17 @@ def build_missions(
     replaces the least height above home, and the way home is flown high enough over it.
     """
     check_as_planned(plan, settings)
+    shared = Mission(fence=fence_items(fence or Fence()), rally=rally_items(rally))
     by_id = {waypoint.id: waypoint for waypoint in plan.waypoints}
     missions = []
     for uav, route in zip(plan.uavs, plan.routes, strict=True):
         unknown = [i for i in route.waypoint_ids if i not in by_id]
         if unknown:
             raise MissionError(303, f"{uav.id}: waypoint {unknown[0]} is not in the plan.")
-        missions.append(
-            _build_one(
-                uav,
-                route,
-                [by_id[i] for i in route.waypoint_ids],
-                plan,
-                settings,
-                fence or Fence(),
-                rally,
-                fence_heights_m,
-                ground,
-            )
-        )
+        waypoints = [by_id[i] for i in route.waypoint_ids]
+        parameters = _parameters(uav, plan, settings, fence_heights_m)
+        alike = replace(shared, parameters=parameters)
+        missions.append(_build_one(uav, route, waypoints, plan, settings, ground, alike))
     return tuple(missions)
 
 
@@ -94,11 +86,10 @@ def _build_one(
     waypoints: Sequence[Waypoint],
     plan: Plan,
     settings: MissionSettings,
-    fence: Fence,
-    rally: Sequence[RallyPoint],
-    fence_heights_m: tuple[float, float] | None,
     ground: Ground | None,
+    shared: Mission,
 ) -> VehicleMission:
+    """The mission of a route, with all but its items from `shared`."""
     frame = LocalFrame(plan.origin)
     points = np.array([uav.start_m, *(w.position_m for w in waypoints)])
     if ground is not None:
@@ -124,15 +115,9 @@ def _build_one(
     last = places[-1] if waypoints else (*places[0][:2], settings.takeoff_height_m)
     items += _ending_items(route, last, plan.slots.horizon_s, settings)
     check_limits(uav.id, items, settings.limits)
-    mission = Mission(
-        tuple(items),
-        fence_items(fence),
-        rally_items(rally),
-        _parameters(uav, plan, settings, fence_heights_m),
-    )
     return VehicleMission(
         uav.id,
-        mission,
+        replace(shared, items=tuple(items)),
         map_items(items, waypoint_items),
         route.waypoint_ids,
         tuple(places[1:]),

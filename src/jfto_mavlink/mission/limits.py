@@ -81,7 +81,7 @@ def _problems(item: Item, home: Item, limits: MissionLimits) -> list[str]:
     if abs(item.lat_deg) > 90 or abs(item.lon_deg) > 180:
         found.append(f"position {item.lat_deg}, {item.lon_deg} is not on Earth")
     elif item.x or item.y:
-        away = distance_m(home, item)
+        away = distance_m((home.lat_deg, home.lon_deg, 0.0), (item.lat_deg, item.lon_deg, 0.0))
         if away > limits.distance_max_m:
             found.append(f"{away:.0f} m from home, at most {limits.distance_max_m:g} m")
     return found

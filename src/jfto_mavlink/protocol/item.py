@@ -1,4 +1,4 @@
-"""Mission items and whole missions, as they travel in MISSION_ITEM_INT."""
+"""Mission items and whole missions as they travel in MISSION_ITEM_INT; distances of places."""
 
 from __future__ import annotations
 
@@ -19,6 +19,12 @@ FRAME_TERRAIN = mavlink.MAV_FRAME_GLOBAL_TERRAIN_ALT
 FRAME_NONE = mavlink.MAV_FRAME_MISSION
 
 DEGREE_1E7 = 10_000_000
+# Latitude and longitude in degrees, and height in metres.
+Place = tuple[float, float, float]
+Offset = tuple[float, float, float]
+
+_EQUATOR_M = 6_378_137.0
+_ECCENTRICITY2 = 0.00669437999014
 # Commands up to this number are flown to; larger ones are done in passing.
 LAST_NAV_COMMAND = mavlink.MAV_CMD_NAV_LAST
 
@@ -154,9 +160,29 @@ class Mission:
         return {MISSION: self.items, FENCE: self.fence, RALLY: self.rally}[mission_type]
 
 
-def distance_m(a: Item, b: Item) -> float:
-    """Horizontal distance between two items with positions, on a sphere, good to 0.5 %."""
-    mean = math.radians((a.lat_deg + b.lat_deg) / 2)
-    north = math.radians(b.lat_deg - a.lat_deg)
-    east = math.radians((b.lon_deg - a.lon_deg + 180) % 360 - 180) * math.cos(mean)
-    return 6_371_000.0 * math.hypot(north, east)
+def offset_m(origin: Place, place: Place) -> Offset:
+    """East, north and up from one place to another nearby; errors below 1 mm within 1 km."""
+    lat = math.radians(origin[0])
+    root = 1.0 - _ECCENTRICITY2 * math.sin(lat) ** 2
+    height = origin[2]
+    north_radius = _EQUATOR_M * (1.0 - _ECCENTRICITY2) / root**1.5 + height
+    east_radius = _EQUATOR_M / math.sqrt(root) + height
+    turn = (place[1] - origin[1] + 180.0) % 360.0 - 180.0
+    east = math.radians(turn) * east_radius * math.cos(math.radians((origin[0] + place[0]) / 2))
+    north = math.radians(place[0] - origin[0]) * north_radius
+    return east, north, place[2] - origin[2]
+
+
+def distance_m(a: Place, b: Place) -> float:
+    """Straight distance between two places nearby."""
+    return math.hypot(*offset_m(a, b))
+
+
+def closest_m(start: Place, end: Place, place: Place) -> float:
+    """Least distance to a place on the straight way from start to end."""
+    sx, sy, sz = offset_m(place, start)
+    ex, ey, ez = offset_m(place, end)
+    dx, dy, dz = ex - sx, ey - sy, ez - sz
+    square = dx * dx + dy * dy + dz * dz
+    t = 0.0 if square == 0 else min(max(-(sx * dx + sy * dy + sz * dz) / square, 0.0), 1.0)
+    return math.hypot(sx + t * dx, sy + t * dy, sz + t * dz)

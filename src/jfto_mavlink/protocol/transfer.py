@@ -45,15 +45,18 @@ class TransferPolicy:
 POLICY = TransferPolicy()
 
 
+def is_of(context: Context, message: Message, mission_type: int, *kinds: str) -> bool:
+    """Whether a message is of one of the kinds, meant for us and of this type of mission."""
+    return (
+        message.get_type() in kinds
+        and message.mission_type == mission_type
+        and context.addressed(message)
+    )
+
+
 def ack_type(context: Context, message: Message, mission_type: int) -> int | None:
-    """Type of a MISSION_ACK that is meant for us and for this kind of mission, else None."""
-    if (
-        message.get_type() != "MISSION_ACK"
-        or message.mission_type != mission_type
-        or not context.addressed(message)
-    ):
-        return None
-    return message.type
+    """Type of a MISSION_ACK that is meant for us and for this type of mission, else None."""
+    return message.type if is_of(context, message, mission_type, "MISSION_ACK") else None
 
 
 def ack_name(code: int) -> str:
@@ -77,7 +80,7 @@ class ReadBack:
 
 
 def read_back(context: Context, mission_type: int, policy: TransferPolicy) -> Exchange[ReadBack]:
-    """Like `download`, with a word on other stations."""
+    """Like `download`, and whether other stations write."""
     found = ReadBack()
     count = yield from _count(context, mission_type, policy, found)
     found.items = yield from _items(context, mission_type, count, policy, found)
@@ -97,7 +100,7 @@ def _count(
             message = yield Wait(until_s)
             if message is None:
                 continue
-            if _is_count(context, message, mission_type):
+            if is_of(context, message, mission_type, "MISSION_COUNT"):
                 return message.count
             code = ack_type(context, message, mission_type)
             if code == BUSY:
@@ -146,34 +149,18 @@ def _items(
             found.contested = True
             for seq in due:
                 due[seq] = context.clock() + policy.busy.first_s
-        elif _is_count(context, message, mission_type) and message.count < count:
+        elif is_of(context, message, mission_type, "MISSION_COUNT") and message.count < count:
             # The answer to a question past the end: the list has become shorter meanwhile. A single
             # one may be an old copy.
             shorter += 1
             if shorter > 1:
                 raise _error(context, 402, mission_type, "another station changed it meanwhile.")
-        elif _is_item(context, message, mission_type) and message.seq < count:
+        elif is_of(context, message, mission_type, "MISSION_ITEM_INT") and message.seq < count:
             if message.seq not in held:
                 progress_s = context.clock()
                 yield Report(f"{TYPE_NAMES[mission_type]} read back", len(held) + 1, count)
             held[message.seq] = item_from_message(message)
     return tuple(held[seq] for seq in range(count))
-
-
-def _is_count(context: Context, message: Message, mission_type: int) -> bool:
-    return (
-        message.get_type() == "MISSION_COUNT"
-        and message.mission_type == mission_type
-        and context.addressed(message)
-    )
-
-
-def _is_item(context: Context, message: Message, mission_type: int) -> bool:
-    return (
-        message.get_type() == "MISSION_ITEM_INT"
-        and message.mission_type == mission_type
-        and context.addressed(message)
-    )
 
 
 def _error(context: Context, code: int, mission_type: int, reason: str) -> TransferError:

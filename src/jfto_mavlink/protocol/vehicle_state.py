@@ -36,14 +36,6 @@ class StatusText:
     text: str
 
 
-@dataclass(frozen=True)
-class Reached:
-    """A MISSION_ITEM_REACHED."""
-
-    at_s: float
-    seq: int
-
-
 @dataclass
 class VehicleState:
     """State of one vehicle. Times are those of the clock given to `update`.
@@ -82,10 +74,7 @@ class VehicleState:
     home_deg_m: tuple[float, float, float] | None = None
     ekf_origin_deg_m: tuple[float, float, float] | None = None
     uid: str | None = None
-    firmware: int | None = None
     texts: deque[StatusText] = field(default_factory=lambda: deque(maxlen=TEXTS_KEPT))
-    reached: deque[Reached] = field(default_factory=lambda: deque(maxlen=TEXTS_KEPT))
-    reached_count: int = 0
     time_sync: TimeSync = field(default_factory=TimeSync)
     seen_s: dict[int, float] = field(default_factory=dict)
     _partial_text: tuple[int, str] = (0, "")
@@ -216,11 +205,6 @@ def _mission_current(vehicle: VehicleState, message: Message, _: float) -> None:
     vehicle.mission_current, vehicle.mission_state = message.seq, message.mission_state
 
 
-def _item_reached(vehicle: VehicleState, message: Message, now_s: float) -> None:
-    vehicle.reached.append(Reached(now_s, message.seq))
-    vehicle.reached_count += 1
-
-
 def _extended_state(vehicle: VehicleState, message: Message, _: float) -> None:
     vehicle.landed_state = message.landed_state
 
@@ -236,7 +220,6 @@ def _ekf_origin(vehicle: VehicleState, message: Message, _: float) -> None:
 
 def _version(vehicle: VehicleState, message: Message, _: float) -> None:
     vehicle.uid = uid_text(message)
-    vehicle.firmware = message.flight_sw_version
 
 
 def _status_text(vehicle: VehicleState, message: Message, now_s: float) -> None:
@@ -269,7 +252,6 @@ _HANDLERS: dict[str, Callable[[VehicleState, Message, float], None]] = {
     "EKF_STATUS_REPORT": _ekf,
     "SYS_STATUS": _sys_status,
     "MISSION_CURRENT": _mission_current,
-    "MISSION_ITEM_REACHED": _item_reached,
     "EXTENDED_SYS_STATE": _extended_state,
     "HOME_POSITION": _home,
     "GPS_GLOBAL_ORIGIN": _ekf_origin,

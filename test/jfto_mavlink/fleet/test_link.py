@@ -16,8 +16,9 @@ import pytest
 from jfto_mavlink.errors import LinkError, RosterError
 from jfto_mavlink.files.tlog import read_tlog
 from jfto_mavlink.fleet.fly import deliver_to_fleet
-from jfto_mavlink.fleet.link import FleetLink, LinkSettings
+from jfto_mavlink.fleet.link import FleetLink
 from jfto_mavlink.fleet.roster import Roster, parse_roster
+from jfto_mavlink.fleet.station import StationSettings
 from jfto_mavlink.flight.control import brake
 from jfto_mavlink.io.address import free_udp_port, parse_address
 from jfto_mavlink.io.port import Station, open_transport
@@ -62,7 +63,7 @@ def test_three_vehicles_on_one_listening_port(tmp_path):
     with (
         serve(*[f"udpto:127.0.0.1:{port}"] * 3) as server,
         FleetLink(
-            roster, LinkSettings(log_directory=tmp_path), clock=ScaledClock(SPEEDUP)
+            roster, StationSettings(log_directory=tmp_path), clock=ScaledClock(SPEEDUP)
         ) as bridge,
     ):
         bridge.wait_heard(60.0)
@@ -111,7 +112,7 @@ def test_a_log_that_cannot_be_written_ends_and_the_bridge_goes_on(tmp_path):
         serve("udp:127.0.0.1:0") as server,
         FleetLink(
             parse_roster([f"uav1=1@udpout:127.0.0.1:{server.addresses(1)[0][1]}"]),
-            LinkSettings(log_directory=tmp_path),
+            StationSettings(log_directory=tmp_path),
             clock=ScaledClock(SPEEDUP),
             on_event=told.append,
         ) as bridge,
@@ -215,7 +216,7 @@ def test_two_stations_do_not_fight_over_a_vehicle():
             FleetLink(parse_roster([first]), clock=ScaledClock(SPEEDUP)) as a,
             FleetLink(
                 parse_roster([second]),
-                LinkSettings(Station(254, 191)),
+                StationSettings(Station(254, 191)),
                 clock=ScaledClock(SPEEDUP),
             ) as b,
         ):
@@ -238,7 +239,8 @@ def test_two_stations_do_not_fight_over_a_vehicle():
 
 STATION = """
 import sys
-from jfto_mavlink.fleet.link import FleetLink, LinkSettings
+from jfto_mavlink.fleet.link import FleetLink
+from jfto_mavlink.fleet.station import StationSettings
 from jfto_mavlink.protocol.timesync import ScaledClock
 from jfto_mavlink.mission.deliver import deliver
 from jfto_mavlink.protocol.item import Item, Mission
