@@ -82,6 +82,15 @@ def test_upload_verify_and_clear_go_together(plan, vehicles, capsys):
     assert main(["mission", "verify", str(plan), *common]) == 1
 
 
+def test_a_link_names_the_whole_fleet_as_it_does_for_run(plan, vehicles, capsys):
+    """System ids 1, 2 … in the order of the plan, all on that link."""
+    _, roster = vehicles
+    link = roster.rpartition("@")[2]
+    assert main(["mission", "upload", str(plan), "--vehicles", link]) == 0
+    assert "fleet released: 4 vehicles" in capsys.readouterr().out
+    assert main(["mission", "verify", str(plan), "--vehicles", roster]) == 0
+
+
 def test_a_vehicle_missing_from_the_roster_stops_everything(plan, vehicles, capsys):
     """Before anything is sent."""
     server, roster = vehicles
