@@ -7,11 +7,12 @@ from pathlib import Path
 import pytest
 
 from jfto.pipeline.directory import make_run_directory
-from jfto.pipeline.run import Run, run_all
+from jfto.pipeline.run import Run
 from jfto.planning.routes import plan_routes
 from jfto.planning.scenario_file import load_scenario
 from jfto.planning.survey import Survey, survey
 from jfto_msgs_py.plan import Plan
+from support.runs import run_all
 
 TINY = Path(__file__).parents[1] / "data" / "scenario" / "tiny.yaml"
 

@@ -6,23 +6,20 @@ from pathlib import Path
 
 import click
 
-from jfto.cli.options import json_option
+from jfto.cli.options import json_option, print_json
 
 
 @click.command("check")
 @click.argument("plan", type=click.Path(path_type=Path))
 @json_option
-def command(
-    plan: Path,
-    as_json: bool,
-) -> int:
+def command(plan: Path, as_json: bool) -> int:
     """Verify PLAN from its positions alone, with code that planning does not use.
 
     Every slot and ten instants between slots: visits, separation, neighbours, connectivity,
     durations, lengths, energy. Status 0 if all holds, 3 if not.
     """
     from jfto.cli.failure import EXIT_INFEASIBLE
-    from jfto.console.results import plan_facts, print_json
+    from jfto.console.results import plan_facts
     from jfto.planning.routes import read_and_certify
 
     read = read_and_certify(plan)
@@ -31,7 +28,7 @@ def command(
     if as_json:
         print_json(plan_facts(read, str(plan)))
         return 0 if certificate.clean else EXIT_INFEASIBLE
-    longest = max((route.arrival_s[-1] for route in read.routes if route.arrival_s), default=0.0)
+    longest = max(route.end_s for route in read.routes)
     click.echo(f"{plan}: {len(read.uavs)} UAVs, {len(read.waypoints)} waypoints")
     facts = {
         "neighbours": f"{certificate.slot_violations} of {certificate.slot_checks} slot checks "

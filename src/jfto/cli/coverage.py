@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jfto.cli.options import json_option, out_option, scenario_options
+from jfto.cli.options import json_option, out_option, print_json, scenario_options
 
 if TYPE_CHECKING:
     from jfto.planning.scenario_file import LoadedScenario
@@ -24,7 +24,6 @@ def command(loaded: LoadedScenario, out: Path | None, as_json: bool) -> int:
     Example:  jfto coverage config/demo.yaml --set coverage.gsd_cm=5 -o waypoints.csv
     """
     from jfto.analysis.export import check_waypoint_suffix, coverage_object, write_waypoints
-    from jfto.console.results import print_json
     from jfto.console.stages import show_stages
     from jfto.planning.survey import survey
 

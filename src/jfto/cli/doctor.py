@@ -1,21 +1,65 @@
-"""jfto doctor."""
+"""jfto doctor: what this computer has and lacks."""
 
 from __future__ import annotations
 
+import importlib
+import os
+import platform
+import sys
+from dataclasses import dataclass
+from importlib import metadata
+
 import click
 
-from jfto.cli.options import json_option
+from jfto import __version__
+from jfto.cli.options import json_option, print_json
+
+# In the order in which they are looked at.
+_LIBRARIES = (
+    "numpy",
+    "scipy",
+    "numba",
+    "torch",
+    "cvxpy",
+    "clarabel",
+    "pymavlink",
+    "rosbags",
+    "rasterio",
+    "pyproj",
+    "matplotlib",
+    "plotly",
+    "Jinja2",
+    "PyYAML",
+    "click",
+    "rich",
+)
+# Import name where it differs from the distribution's.
+_MODULES = {"Jinja2": "jinja2", "PyYAML": "yaml"}
+# Used by what needs them only; planning works without.
+_OPTIONAL = {
+    "torch": "learned policies",
+    "cvxpy": "the reference power solver",
+    "clarabel": "the reference power solver",
+    "pymavlink": "flight",
+    "rosbags": "recording bags",
+}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that was looked at; `needed` says that planning cannot do without it."""
+
+    name: str
+    good: bool
+    needed: bool
+    state: str
+    cure: str = ""
 
 
 @click.command("doctor")
 @json_option
-def command(
-    as_json: bool,
-) -> int:
+def command(as_json: bool) -> int:
     """Say what is installed, what is missing, and what to do about it."""
-    from jfto.console.results import print_json
-    from jfto.doctor import examine
-
     findings = examine()
     if as_json:
         print_json({"findings": [vars(finding) for finding in findings]})
@@ -29,3 +73,63 @@ def command(
     if missing and not as_json:
         click.echo(f"{len(missing)} of the needed parts missing or broken.")
     return 1 if missing else 0
+
+
+def examine() -> list[Finding]:
+    """Look at Python, libraries, terrain and ROS 2; imports every library, so it takes seconds."""
+    return [_python(), *(_library(name) for name in _LIBRARIES), _terrain(), _cores(), _ros()]
+
+
+def _python() -> Finding:
+    good = (3, 10) <= sys.version_info < (3, 14)
+    state = f"{platform.python_version()}, JFTO {__version__}"
+    return Finding("Python", good, True, state, "Use Python 3.10 to 3.13.")
+
+
+def _library(name: str) -> Finding:
+    needed = name not in _OPTIONAL
+    use = "" if needed else f", for {_OPTIONAL[name]}"
+    version = _version(name)
+    if version is None:
+        cure = f"pip install -c constraints.txt {name}"
+        return Finding(name, False, needed, f"not installed{use}", cure)
+    try:
+        importlib.import_module(_MODULES.get(name, name))
+    except Exception as error:  # noqa: BLE001  a broken library may raise anything at import
+        cure = f"pip install --force-reinstall -c constraints.txt {name}"
+        return Finding(name, False, needed, f"{version}, does not load: {error}", cure)
+    return Finding(name, True, needed, f"{version}{use}")
+
+
+def _terrain() -> Finding:
+    from jfto_msgs_py.errors import JftoError
+    from jfto_world.terrain import load_dem
+
+    try:
+        dem = load_dem("jacksboro", center=None, size_m=(500.0, 500.0))
+    except JftoError as error:
+        cure = "Reinstall matplotlib, whose sample data holds it."
+        return Finding("terrain", False, True, str(error), cure)
+    return Finding("terrain", True, True, f"built-in, {dem.description}")
+
+
+def _cores() -> Finding:
+    return Finding("processor", True, False, f"{os.cpu_count()} cores, {platform.machine()}")
+
+
+def _ros() -> Finding:
+    from jfto_msgs_py.ros.installation import RosMissingError, require_ros
+
+    try:
+        state, good = str(require_ros()), True
+    except RosMissingError as error:
+        state, good = str(error), False
+    return Finding("ROS 2", good, False, state)
+
+
+def _version(library: str) -> str | None:
+    """Installed version of a distribution, None if it is absent."""
+    try:
+        return metadata.version(library)
+    except metadata.PackageNotFoundError:
+        return None

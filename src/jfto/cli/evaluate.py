@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jfto.cli.options import json_option, load, out_option, seed_option, set_option
+from jfto.cli.options import json_option, load, out_option, print_json, seed_option, set_option
 
 if TYPE_CHECKING:
     from jfto.console.progress import Progress
@@ -37,7 +37,7 @@ def command(
     """
     from jfto.analysis.export import comparison_object
     from jfto.cli.failure import EXIT_INFEASIBLE
-    from jfto.console.results import print_comparison, print_infeasible, print_json
+    from jfto.console.results import print_comparison, print_infeasible
     from jfto.console.stages import show_stages
     from jfto.pipeline.evaluation import write_evaluation
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from functools import wraps
 from pathlib import Path
@@ -38,6 +39,11 @@ method_option = click.option(
 )
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON for programs.")
 debug_option = click.option("--debug", is_flag=True, hidden=True, help="Show tracebacks.")
+
+
+def print_json(facts: dict[str, Any]) -> None:
+    """One JSON object on standard output."""
+    click.echo(json.dumps(facts, indent=1))
 
 
 def out_option(kind: str, default: str) -> Callable[[Function], Function]:

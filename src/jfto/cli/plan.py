@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jfto.cli.options import json_option, out_option, scenario_options
+from jfto.cli.options import json_option, out_option, print_json, scenario_options
 
 if TYPE_CHECKING:
     from jfto.planning.scenario_file import LoadedScenario
@@ -32,7 +32,7 @@ def command(
     Example:  jfto plan config/wanglang.yaml -o plan.json --seed 1
     """
     from jfto.cli.failure import EXIT_INFEASIBLE, EXIT_INTERRUPTED
-    from jfto.console.results import plan_facts, print_infeasible, print_json
+    from jfto.console.results import plan_facts, print_infeasible
     from jfto.console.stages import show_stages
     from jfto.pipeline.run import save_plan
     from jfto.planning.routes import plan_routes

@@ -6,16 +6,13 @@ from pathlib import Path
 
 import click
 
-from jfto.cli.options import json_option
+from jfto.cli.options import json_option, print_json
 
 
 @click.command("report")
 @click.argument("directory", metavar="DIR", type=click.Path(path_type=Path))
 @json_option
-def command(
-    directory: Path,
-    as_json: bool,
-) -> int:
+def command(directory: Path, as_json: bool) -> int:
     """Rebuild comparison, figures and report of the run in DIR from its scenario, plan and bag.
 
     With a bag the flight is held against the plan: waypoints, timing, the certificate on the flown
@@ -23,7 +20,6 @@ def command(
     docs/flight.md describes.
     """
     from jfto.analysis.flight_file import flight_facts_object
-    from jfto.console.results import print_json
     from jfto.console.stages import show_stages
     from jfto.pipeline.run import rebuild
 

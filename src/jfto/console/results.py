@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +13,7 @@ from jfto.analysis.comparison import OURS, Comparison
 from jfto.analysis.export import certificate_object, comparison_object
 from jfto.analysis.paper import HEADINGS, active_text, beside_paper, ratios_text
 from jfto.cli.failure import EXIT_INTERRUPTED, EXIT_OTHER
+from jfto.cli.options import print_json
 from jfto.console.progress import Progress
 from jfto.pipeline.directory import FLIGHT_NAME, flight_bags
 from jfto.pipeline.run import Run
@@ -25,11 +25,6 @@ if TYPE_CHECKING:
     from jfto.conduct.flight_job import FlightEnd, FlightJob
 
 _SHOWN_VIOLATIONS = 8
-
-
-def print_json(facts: dict[str, Any]) -> None:
-    """One JSON object on standard output."""
-    click.echo(json.dumps(facts, indent=1))
 
 
 def plan_facts(plan: Plan, path: str) -> dict[str, Any]:

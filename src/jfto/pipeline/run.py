@@ -58,13 +58,6 @@ class Run:
     flight: FlightFacts | None = None
 
 
-def run_all(loaded: LoadedScenario, directory: Path, progress: Progress = SILENT) -> Run:
-    """Every stage but the flight; raises JftoError, leaving the results so far in `directory`."""
-    pipeline = Pipeline(loaded, directory, progress)
-    run = pipeline.plan()
-    return run if run.interrupted else pipeline.report(run)
-
-
 def rebuild(directory: Path, progress: Progress = SILENT) -> Run:
     """Comparison, figures and report anew from scenario, plan and bag of a run directory."""
     if not directory.is_dir():
@@ -94,10 +87,10 @@ def save_plan(plan: Plan, path: Path) -> Path:
 
 
 class Pipeline:
-    """One run of a scenario. Call `plan` or `take`, fly if you will, then `report`.
+    """One run of a scenario in `directory`, where the resolved scenario is written at once.
 
-    All raise JftoError, leaving the results so far in `directory`. With `anew` nothing is kept of
-    what earlier runs left there.
+    Call `plan` or `take`, fly if you will, then `report`; all raise JftoError, leaving the results
+    so far. With `anew` nothing is kept of what earlier runs left there.
     """
 
     def __init__(
@@ -110,6 +103,10 @@ class Pipeline:
     ) -> None:
         self._loaded, self._directory, self._progress = loaded, directory, progress
         self._products = Products(directory, anew=anew)
+        # The resolved scenario is there whatever comes.
+        path = directory / SCENARIO_NAME
+        written = path == loaded.path
+        self._configuration = _text(path, "scenario") if written else write_scenario(loaded, path)
 
     def plan(self) -> Run:
         """Terrain to plan."""
@@ -170,8 +167,7 @@ class Pipeline:
         return replace(run, report=self._page(run, inputs))
 
     def _kept_plan(self, inputs: str) -> Run | None:
-        """The plan of an earlier run, where it was made of the same; writes the scenario anyway."""
-        self._configuration = write_scenario(self._loaded, self._directory / SCENARIO_NAME)
+        """The plan of an earlier run, where it was made of the same."""
         files = self._products.kept("plan", inputs)
         if not files:
             return None
@@ -292,11 +288,6 @@ class Pipeline:
         return given
 
     @cached_property
-    def _configuration(self) -> str:
-        path = self._directory / SCENARIO_NAME
-        return read_text(path, InputError, "scenario", _SIZE_LIMIT)
-
-    @cached_property
     def _dem(self) -> Dem:
         return load_ground(self._loaded)
 
@@ -306,7 +297,7 @@ class Pipeline:
         if not path.exists():
             return None
         try:
-            found = json.loads(read_text(path, InputError, "coverage", _SIZE_LIMIT))
+            found = json.loads(_text(path, "coverage"))
         except json.JSONDecodeError as error:
             raise InputError(
                 f"{path}: is not valid JSON: {error.msg}. Delete it, or run the scenario again."
@@ -318,6 +309,10 @@ class Pipeline:
         path = self._directory / name
         write_file(path, json.dumps(facts, indent=1) + "\n")
         return path
+
+
+def _text(path: Path, what: str) -> str:
+    return read_text(path, InputError, what, _SIZE_LIMIT)
 
 
 def _require_fit(plan: Plan, loaded: LoadedScenario, file: Path) -> None:

@@ -14,8 +14,9 @@ from jfto.analysis.export import read_comparison
 from jfto.console.progress import Progress
 from jfto.pipeline.directory import COMPARISON_NAME, forget_dry_run, require_no_flight
 from jfto.pipeline.products import MADE_NAME, Products, digest
-from jfto.pipeline.run import Pipeline, Run, run_all
+from jfto.pipeline.run import Pipeline, Run
 from jfto.planning.scenario_file import load_scenario
+from support.runs import run_all
 
 ALL = {"routes", "compare", "figures", "report"}
 

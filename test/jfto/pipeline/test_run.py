@@ -9,11 +9,12 @@ from pathlib import Path
 import numpy as np
 
 from jfto.pipeline.directory import make_run_directory
-from jfto.pipeline.run import Run, rebuild, run_all, save_plan
+from jfto.pipeline.run import Run, rebuild, save_plan
 from jfto.planning.routes import plan_routes
 from jfto.planning.scenario_file import load_scenario
 from jfto.planning.survey import survey
 from jfto_msgs_py.plan_file import plan_text, read_plan
+from support.runs import run_all
 
 
 def test_a_run_leaves_every_result_in_its_directory(tiny_run: tuple[Path, Run]) -> None:

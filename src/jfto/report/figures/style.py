@@ -27,7 +27,6 @@ PLANNED_STYLE: dict[str, Any] = {"color": "#777777", "linestyle": (0, (5, 1.5)),
 FLOWN_STYLE: dict[str, Any] = {"color": "#0072B2", "linestyle": "-", "linewidth": 1.4}
 # What broke a rule, on maps and over time.
 TROUBLE_COLOUR = "#A50034"
-COLUMN_WIDTH_IN = 3.5
 PAGE_WIDTH_IN = 7.16
 _SETTINGS: Any = {
     "font.size": 8,
