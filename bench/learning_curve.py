@@ -1,7 +1,7 @@
 """The learning curve of a training run, beside simple rules and the search.
 
     python bench/learning_curve.py DIR [--config config/train_rl_tp.yaml]
-                                   [--csv docs/learning_curve.csv]
+                                   [--csv docs/benchmarks/learning_curve.csv]
                                    [--png docs/images/learning_curve.png]
 
 DIR is where `jfto train` kept its log. The policy's greedy lengths there are means over 96 problems
@@ -144,7 +144,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("directory", type=Path)
     parser.add_argument("--config", type=Path, default=Path("config/train_rl_tp.yaml"))
-    parser.add_argument("--csv", type=Path, default=Path("docs/learning_curve.csv"))
+    parser.add_argument("--csv", type=Path, default=Path("docs/benchmarks/learning_curve.csv"))
     parser.add_argument("--png", type=Path, default=Path("docs/images/learning_curve.png"))
     chosen = parser.parse_args()
     torch.set_num_threads(1)

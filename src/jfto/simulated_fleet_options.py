@@ -27,7 +27,9 @@ class SimulatedFleetOptions:
     clock_rate_hz: float = param(
         50.0, "How often /clock is published, by the wall clock.", unit="Hz", low=1.0, high=1000.0
     )
-    faults: tuple[str, ...] = param((), "Fault lines carried out at start (docs/simulator.md).")
+    faults: tuple[str, ...] = param(
+        (), "Fault lines carried out at start (docs/how-to/simulator.md)."
+    )
     control_port: int = param(
         0, "UDP port that takes fault lines and sets radios; 0: none.", low=0, high=65535
     )

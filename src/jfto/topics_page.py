@@ -1,4 +1,4 @@
-"""The page docs/topics.md: topics, types, QoS and the nodes' parameters, from the code.
+"""The page docs/reference/topics.md: topics, types, QoS and the nodes' parameters, from the code.
 
 `python -m jfto.topics_page` prints it.
 """
@@ -47,7 +47,7 @@ def page() -> str:
     lines += [f"| `{s.name}` | {s.type} | {s.by} | {s.doc} |" for s in SERVICES]
     lines += ["", "## Parameters", "", _LIFECYCLE]
     lines.append(
-        "Every node declares all scenario keys (docs/scenario.md), and these of its own:\n"
+        "Every node declares all keys of a scenario ([scenario.md](scenario.md)), and its own:\n"
     )
     for name, options in NODE_OPTIONS.items():
         if not options:

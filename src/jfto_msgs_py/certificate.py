@@ -7,7 +7,7 @@ from typing import Annotated
 
 from jfto_msgs_py.records.fields import FILLED, NULL_IS_NAN, OneOf, Range
 
-# Kinds of violation; each names the constraint of the paper or of docs/definitions it belongs to.
+# Kinds of violation; each names the constraint of the paper or the definition it belongs to.
 KINDS = (
     "visit",  # a waypoint is visited never or more than once (P0once1, P0once2)
     "separation",  # two UAVs are closer than d_min (P0avoid)

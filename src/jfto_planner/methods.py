@@ -62,7 +62,7 @@ def _length(result: SearchResult) -> str:
     return f"{result.length_m / 1000:.2f} km" + ("" if result.feasible else " breaking rules")
 
 
-# What "auto" stands for, by measurement (docs/policy.md).
+# What "auto" stands for, by measurement (docs/explanation/policy.md).
 BEST = SEARCH
 
 

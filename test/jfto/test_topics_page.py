@@ -1,4 +1,4 @@
-"""docs/topics.md, and whether the graph really is what it says."""
+"""docs/reference/topics.md, and whether the graph really is what it says."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ OF_ROS = ("/rosout", "/parameter_events", "/clock")
 
 
 def test_the_page_is_up_to_date() -> None:
-    """Print it anew with python -m jfto.topics_page > docs/topics.md."""
-    stored = Path(__file__).parents[2] / "docs" / "topics.md"
+    """Print it anew with python -m jfto.topics_page > docs/reference/topics.md."""
+    stored = Path(__file__).parents[2] / "docs/reference/topics.md"
     assert stored.read_text(encoding="utf-8") == page()
 
 

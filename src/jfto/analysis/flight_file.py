@@ -1,4 +1,4 @@
-"""The facts of a flight as flight.json, which docs/flight.md describes."""
+"""The facts of a flight as flight.json, which docs/reference/flight.md describes."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ set_option = click.option(
     "overrides",
     metavar="KEY=VALUE",
     multiple=True,
-    help="Override a scenario key; may be repeated. docs/scenario.md lists them.",
+    help="Override a scenario key; may be repeated. docs/reference/scenario.md lists them.",
 )
 seed_option = click.option(
     "--seed", type=click.IntRange(0), metavar="N", help="Seed of the search; search.seed if absent."

@@ -17,7 +17,7 @@ def command(directory: Path, as_json: bool) -> int:
 
     With a bag the flight is held against the plan: waypoints, timing, the certificate on the flown
     tracks, network and energy as planned and as flown. Its facts go to DIR/flight.json, which
-    docs/flight.md describes.
+    docs/reference/flight.md describes.
     """
     from jfto.analysis.flight_file import flight_facts_object
     from jfto.console.stages import show_stages

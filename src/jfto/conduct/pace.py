@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 
 # Vehicles times speed-up that one core is asked to carry with the whole graph beside them; what
-# that leaves idle is in docs/run.md. Faster than the greatest nobody needs.
+# that leaves idle is in docs/how-to/run.md. Faster than the greatest nobody needs.
 PER_CORE = 40.0
 GREATEST = 10.0
 

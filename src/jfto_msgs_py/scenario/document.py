@@ -1,4 +1,4 @@
-"""The key table of docs/scenario.md.
+"""The key table of docs/reference/scenario.md.
 
 `python -m jfto_msgs_py.scenario.document` prints the page.
 """

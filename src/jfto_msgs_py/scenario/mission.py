@@ -46,7 +46,7 @@ class SearchPart:
     method: str = param(
         "search",
         "How routes are found (also --method): by the search, by the trained policy, by the search "
-        "from the policy's routes, or what has measured best (docs/policy.md).",
+        "from the policy's routes, or what has measured best (docs/explanation/policy.md).",
         choices=METHODS,
     )
     moves: int = param(

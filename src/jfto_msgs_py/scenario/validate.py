@@ -67,7 +67,7 @@ def _expand(layer: Layer, problems: list[str]) -> dict[str, Given]:
             expanded.update(dict.fromkeys(RADIO_SHORTHANDS[name], item))
             continue
         guess = nearest(name, [*KEYS, *RADIO_SHORTHANDS])
-        cure = f"Did you mean {guess}?" if guess else "docs/scenario.md lists all keys."
+        cure = f"Did you mean {guess}?" if guess else "docs/reference/scenario.md lists all keys."
         problems.append(f"{item.origin}: unknown key {name}. {cure}")
     return expanded
 

@@ -35,7 +35,8 @@ _FORMATS = {
 def read_waypoints(path: str | Path, dem: Dem) -> tuple[Waypoint, ...]:
     """Waypoints of a file, numbered from 0 in its order, in ENU metres about the DEM's origin.
 
-    Heights are altitudes in the DEM's own datum or above the ground below; see docs/coverage.md.
+    Heights are altitudes in the DEM's own datum or above the ground below
+    (docs/explanation/coverage.md).
     Raises WaypointError, naming file, line or item, reason and cure.
     """
     path = Path(path)

@@ -1,4 +1,7 @@
-"""Routes to trajectories: quintic Bezier segments of least total time. See docs/trajectories.md."""
+"""Routes to trajectories: quintic Bezier segments of least total time.
+
+See docs/explanation/trajectories.md.
+"""
 
 from jfto_planner.smoothing.bounds import rest_to_rest_s, straight_line_s
 from jfto_planner.smoothing.fleet import CurveRules, kept_apart, smooth_fleet

@@ -12,7 +12,7 @@ _TRIES = 3
 
 
 class SimDriver:
-    """Speaks the lines `radio N DBM` and `radio N` (docs/simulator.md) to a UDP address.
+    """Speaks the lines `radio N DBM` and `radio N` (docs/how-to/simulator.md) to a UDP address.
 
     `numbers` has the vehicle number of each UAV served. `timeout_s` is how long one of three tries
     waits; setting twice is as good as once.

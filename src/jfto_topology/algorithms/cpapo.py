@@ -25,7 +25,7 @@ def cpapo(
 
     `positions_m` is (M, A, 3), `p_max_w` and `energy_j` (A,). A UAV that runs out of energy goes
     off the air. Raises InputError as `ctop` does. The rules and what is not known of the original:
-    docs/baselines.md.
+    docs/explanation/baselines.md.
     """
     required_w = required_powers(positions_m, channel, p_max_w, sensitivity_w)
     possible = np.isfinite(required_w)

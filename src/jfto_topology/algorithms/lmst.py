@@ -27,7 +27,8 @@ def a_lmst(
     `positions_m` is (M, A, 3), `p_max_w`, `energy_j` and `speed_mps` (A,). Within a slot the two
     ends of a link may part by (v_a + v_b) Δt; a UAV transmits so that its farthest kept neighbour
     still hears it then, at most P_a,max. A UAV that runs out of energy goes off the air. Raises
-    InputError as `ctop` does. The rules and what is not known of the original: docs/baselines.md.
+    InputError as `ctop` does. The rules, and what is not known of the original, are in
+    docs/explanation/baselines.md.
     """
     required_w = required_powers(positions_m, channel, p_max_w, sensitivity_w)
     caps_w = checked_caps(p_max_w, required_w.shape[1])

@@ -27,7 +27,7 @@ SCENARIOS = {
     "kilometres": ("terrain: {size_m: [2.0, 2.0]}", "terrain.size_m[0]", "Did you mean 20?"),
     "unknown key": ("radio: {bandwith_hz: 1.0}", "radio.bandwith_hz", "radio.bandwidth_hz?"),
     "wrong part": ("fleet: {k_min: 2}", "fleet.k_min", "Did you mean network.k_min?"),
-    "unknown part": ("battery: {cells: 4}", "battery.cells", "docs/scenario.md"),
+    "unknown part": ("battery: {cells: 4}", "battery.cells", "docs/reference/scenario.md"),
     "unit in value": ("radio: {noise_dbm: -110 dBm}", "radio.noise_dbm", "Did you mean -110?"),
     "word for number": ("fleet: {speed_mps: [fast]}", "fleet.speed_mps[0]", "0.1…60 m/s"),
     "fraction of a UAV": ("fleet: {count: 3.5}", "fleet.count is 3.5", "Did you mean 4?"),

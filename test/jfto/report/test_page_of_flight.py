@@ -17,7 +17,7 @@ from support.fleets import START_NS
 from support.flights import Flaws, FlightBag, tracks_of
 from support.html import HtmlChecker
 
-DOCUMENT = Path(__file__).parents[3] / "docs" / "flight.md"
+DOCUMENT = Path(__file__).parents[3] / "docs/reference/flight.md"
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +66,7 @@ def test_the_view_in_space_has_the_flight(flown_run: tuple[Path, Run]) -> None:
 
 
 def test_flight_json_is_as_documented(flown_run: tuple[Path, Run]) -> None:
-    """Every key that is written is in docs/flight.md, and the facts are those of the flight."""
+    """docs/reference/flight.md names every key that is written; the facts are the flight's."""
     facts = json.loads((flown_run[0] / "flight.json").read_text(encoding="utf-8"))
 
     def keys(value: object) -> set[str]:

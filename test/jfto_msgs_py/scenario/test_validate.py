@@ -92,8 +92,8 @@ def test_keys_describe_the_parts_they_come_from() -> None:
 
 
 def test_the_documentation_is_printed_from_the_schema() -> None:
-    """docs/scenario.md is what `python -m jfto_msgs_py.scenario.document` prints."""
-    written = Path(__file__).parents[3] / "docs" / "scenario.md"
+    """docs/reference/scenario.md is what `python -m jfto_msgs_py.scenario.document` prints."""
+    written = Path(__file__).parents[3] / "docs/reference/scenario.md"
     assert written.read_text(encoding="utf-8") == page()
 
 

@@ -1,4 +1,4 @@
-"""MTP, A-LMST and CPAPO: the rules of docs/baselines.md, and what happens when energy ends."""
+"""MTP, A-LMST, CPAPO: the rules of docs/explanation/baselines.md, and when energy ends."""
 
 import networkx as nx
 import numpy as np

@@ -1,7 +1,7 @@
 """ArduCopter's waypoint missions in time: planner in closed form, vehicle in closed loop.
 
 `plan_target` gives the planner's target along a route, `fly_route` the vehicle behind it, and
-`ArduCopter` is the `TimeModel` built on both. See docs/trajectories.md.
+`ArduCopter` is the `TimeModel` built on both. See docs/explanation/trajectories.md.
 """
 
 from jfto_world.motion.arducopter.closed_loop import Flight, fly_route

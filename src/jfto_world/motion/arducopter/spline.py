@@ -2,7 +2,7 @@
 
 Each leg is a cubic Hermite curve. The planner keeps no jerk limit there: at each place the speed is
 what slope, lateral acceleration and the braking distance allow, and changes at half of the
-acceleration. Straight legs with rounded corners are faster (docs/trajectories.md).
+acceleration. Straight legs with rounded corners are faster (docs/explanation/trajectories.md).
 """
 
 from __future__ import annotations
