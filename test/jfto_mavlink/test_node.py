@@ -177,7 +177,7 @@ def test_a_plan_that_comes_later_is_waited_for(graph, plan_file):
     """The planner may still be at work; orders say so."""
     late = plan_file.with_name("late.json")
     station = simulated(graph, late, 1.0)
-    graph.until(lambda: "not there yet" in station.fact("uav1", "text"))
+    graph.until(lambda: "late.json is not there yet" in station.fact("uav1", "text"))
     success, text = station.call("upload")
     assert not success
     assert "late.json is not there yet" in text
