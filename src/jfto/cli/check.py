@@ -19,7 +19,7 @@ def command(plan: Path, as_json: bool) -> int:
     durations, lengths, energy. Status 0 if all holds, 3 if not.
     """
     from jfto.cli.failure import EXIT_INFEASIBLE
-    from jfto.console.results import plan_facts
+    from jfto.cli.results import plan_facts
     from jfto.planning.routes import read_and_certify
 
     read = read_and_certify(plan)

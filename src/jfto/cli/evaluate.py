@@ -37,7 +37,7 @@ def command(
     """
     from jfto.analysis.export import comparison_object
     from jfto.cli.failure import EXIT_INFEASIBLE
-    from jfto.console.results import print_comparison, print_infeasible
+    from jfto.cli.results import print_comparison, print_infeasible
     from jfto.console.stages import show_stages
     from jfto.pipeline.evaluation import write_evaluation
 

@@ -32,7 +32,7 @@ def command(
     Example:  jfto plan config/wanglang.yaml -o plan.json --seed 1
     """
     from jfto.cli.failure import EXIT_INFEASIBLE, EXIT_INTERRUPTED
-    from jfto.console.results import plan_facts, print_infeasible
+    from jfto.cli.results import plan_facts, print_infeasible
     from jfto.console.stages import show_stages
     from jfto.pipeline.run import save_plan
     from jfto.planning.routes import plan_routes

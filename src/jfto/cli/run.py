@@ -65,7 +65,7 @@ def command(loaded: LoadedScenario, out: Path | None, as_json: bool, **choices: 
               jfto run mine.yaml --until arm --vehicles udpin:0.0.0.0:14550
     """
     from jfto.cli.failure import EXIT_INFEASIBLE, EXIT_INTERRUPTED
-    from jfto.console.results import print_run, run_status
+    from jfto.cli.results import print_run, run_status
     from jfto.console.stages import show_stages
     from jfto.pipeline.directory import make_run_directory, require_no_flight, what_is_kept
     from jfto.pipeline.run import Pipeline
@@ -139,11 +139,11 @@ def _fly(
     progress: StageProgress,
 ) -> FlightEnd:
     """Run the graph and conduct the flight; what came of it is said in the lines of the stages."""
+    from jfto.cli.results import say_flight
     from jfto.conduct.flight_job import fly
     from jfto.conduct.operator import Terminal
     from jfto.conduct.prepare import prepare
     from jfto.conduct.settings import LANDED
-    from jfto.console.results import say_flight
     from jfto.pipeline.directory import forget_dry_run
 
     ask = not (vehicles.simulated or choices["arm"] or choices["until"])

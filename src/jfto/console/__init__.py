@@ -1,1 +1,1 @@
-"""All that a terminal shows of a run: lines, bars and results."""
+"""The one console: lines that stay, and what is drawn below them. Knows no other room."""
