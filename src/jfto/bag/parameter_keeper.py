@@ -33,8 +33,8 @@ class ParameterKeeper:
                 steps = read_all(self._node, name)
                 self._asking[name] = (steps, next(steps))
 
-    def go_on(self) -> None:
-        """Take answers in that have come, and ask on."""
+    def go_on(self) -> int:
+        """Take answers in that have come, and ask on; how many are being waited for."""
         for name, (steps, came) in tuple(self._asking.items()):
             try:
                 if came():
@@ -42,6 +42,7 @@ class ParameterKeeper:
             except StopIteration as end:
                 del self._asking[name]
                 self._keep(name, end.value)
+        return len(self._asking)
 
     def _keep(self, name: str, values: dict[str, Any]) -> None:
         # A parameter file cannot say of what type an empty list is.

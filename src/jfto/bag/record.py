@@ -23,9 +23,8 @@ from jfto_msgs_py.ros.stamps import decode_time
 
 CLOCK = "/clock"
 # Messages wait in the middleware and are taken by the batch: to wake up for each takes five times
-# the processor time. When it was received comes with each.
+# the processor time. When it was received comes with each. New topics are looked for as often.
 _BATCH_EVERY_S = 0.1
-_LOOK_EVERY_S = 0.5
 # Half of the second that a kill may cost: the other half is for a machine under load.
 _FLUSH_EVERY_S = 0.5
 # More than rosbag2's 10: what comes between two batches must fit.
@@ -56,29 +55,21 @@ class Recording:
         self._subscriptions: dict[str, Any] = {}
         self._batch: list[tuple[int, str, bytes]] = []
 
-    @property
-    def complete(self) -> bool:
-        """Whether all topics that were named are being recorded."""
-        return not self._choice.is_open_ended and self._known >= self._choice.topics
-
     def run(self) -> None:
         """Record until SIGINT or SIGTERM; the bag is left to be closed."""
         node = self._session.node
         if self._sim_time:
             self._subscribe("", Clock, CLOCK, fitting_profile([], _DEPTH))
         node.get_logger().info("Recording...")
-        look = flush = time.monotonic()
+        flush_s = 0.0
         try:
             while True:
-                now = time.monotonic()
-                if now >= look:
-                    self._look()
-                    look = now + _LOOK_EVERY_S
+                self._look()
                 self._session.pause(_BATCH_EVERY_S)
                 self._take_batch()
-                if now >= flush:
+                if time.monotonic() >= flush_s:
                     self._recorder.flush()
-                    flush = now + _FLUSH_EVERY_S
+                    flush_s = time.monotonic() + _FLUSH_EVERY_S
         except Stopped:
             self._take_batch()
 
@@ -128,9 +119,6 @@ class Recording:
 
     def _take_batch(self) -> None:
         """Write what has come since the last time, in the order in which it came."""
-        if self._keeper is not None:
-            self._keeper.go_on()
-            self._session.run_ready()
         for topic, subscription in self._subscriptions.items():
             for _ in range(_DEPTH):
                 # As rclpy.wait_for_message does it: without a wait, whose cost grows with topics.
@@ -138,6 +126,8 @@ class Recording:
                 if taken is None:
                     break
                 self._put(topic, *taken)
+        for _ in range(self._keeper.go_on() if self._keeper is not None else 0):
+            self._session.run_ready()
         self._batch.sort(key=lambda each: each[0])
         for stamp_ns, topic, data in self._batch:
             if not topic:

@@ -6,9 +6,8 @@ import contextlib
 import os
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import yaml
 from mcap.writer import CompressionType, Writer
@@ -23,19 +22,8 @@ from jfto_msgs_py.files import write_file
 # Beside the bag: the parameters of the nodes that were recorded, for a replay.
 PARAMETERS_NAME = "parameters.yaml"
 _VERSION = 9
-# It only has to name the topics; the counts of a killed recording come from the file itself.
+# It has to name the topics and the beginning; the counts of a killed recording are in the file.
 _METADATA_EVERY_S = 10.0
-
-
-@dataclass
-class _Topic:
-    """A topic that is recorded and how many messages of it came."""
-
-    channel: int
-    type_name: str
-    offered: list[dict[str, Any]]
-    type_hash: str
-    count: int = 0
 
 
 class BagRecorder:
@@ -59,15 +47,12 @@ class BagRecorder:
         self._broken = False
         self._types = get_typestore(Stores.ROS2_JAZZY)
         self._schemas: dict[str, int] = {}
-        self._topics: dict[str, _Topic] = {}
-        self._span_ns = (EMPTY_START_NS, 0)
+        # By topic: the number of its channel, and what metadata.yaml says of it.
+        self._topics: dict[str, tuple[int, dict[str, Any]]] = {}
+        self._start_ns, self._end_ns = EMPTY_START_NS, 0
+        self.message_count = 0
         self._metadata_due_s = 0.0
         self.flush()
-
-    @property
-    def message_count(self) -> int:
-        """Messages of all topics."""
-        return sum(topic.count for topic in self._topics.values())
 
     def add_topic(self, topic: str, type_name: str, offered: list[Qos]) -> None:
         """Announce a topic with the QoS that its publishers offer."""
@@ -78,7 +63,7 @@ class BagRecorder:
             self._schemas[type_name] = self._writer.register_schema(
                 type_name, "ros2msg" if known else "", text.encode()
             )
-        profiles = cast("list[dict[str, Any]]", dump_qos_v9(offered))
+        profiles = dump_qos_v9(offered)
         type_hash = self._types.hash_rihs01(type_name) if known else ""
         channel = self._writer.register_channel(
             topic,
@@ -86,17 +71,26 @@ class BagRecorder:
             self._schemas[type_name],
             {"offered_qos_profiles": yaml.safe_dump(profiles), "topic_type_hash": type_hash},
         )
-        self._topics[topic] = _Topic(channel, type_name, profiles, type_hash)
+        described = {
+            "name": topic,
+            "type": type_name,
+            "serialization_format": "cdr",
+            "offered_qos_profiles": profiles,
+            "type_description_hash": type_hash,
+        }
+        self._topics[topic] = (channel, {"topic_metadata": described, "message_count": 0})
         self._metadata_due_s = 0.0
 
     def write(self, topic: str, stamp_ns: int, data: bytes) -> None:
         """Add a message of a topic that was announced, received at `stamp_ns`."""
-        known = self._topics[topic]
-        self._writer.add_message(known.channel, stamp_ns, data, stamp_ns)
-        if not known.count:
+        channel, written = self._topics[topic]
+        self._writer.add_message(channel, stamp_ns, data, stamp_ns)
+        written["message_count"] += 1
+        if not self.message_count:
             self._metadata_due_s = 0.0
-        known.count += 1
-        self._span_ns = (min(self._span_ns[0], stamp_ns), max(self._span_ns[1], stamp_ns))
+        self.message_count += 1
+        self._start_ns = min(self._start_ns, stamp_ns)
+        self._end_ns = max(self._end_ns, stamp_ns)
 
     def flush(self) -> None:
         """Bring what was written since the last flush to the file. Raises BagError: disk full."""
@@ -135,38 +129,27 @@ class BagRecorder:
     def _metadata(self) -> str:
         """metadata.yaml of what is in the file so far, every key that version 9 requires."""
         file_name = f"{self.path.name}.mcap"
-        start_ns, end_ns = self._span_ns
-        span: dict[str, Any] = {
-            "duration": {"nanoseconds": max(end_ns - start_ns, 0)},
-            "starting_time": {"nanoseconds_since_epoch": start_ns},
-            "message_count": self.message_count,
-        }
-        topics = [
-            {
-                "topic_metadata": {
-                    "name": name,
-                    "type": topic.type_name,
-                    "serialization_format": "cdr",
-                    "offered_qos_profiles": topic.offered,
-                    "type_description_hash": topic.type_hash,
-                },
-                "message_count": topic.count,
-            }
-            for name, topic in self._topics.items()
-        ]
+        topics = [written for _, written in self._topics.values()]
         information = {
             "version": _VERSION,
             "storage_identifier": "mcap",
-            **span,
+            **self._span(),
             "topics_with_message_count": topics,
             "compression_format": "",
             "compression_mode": "",
             "relative_file_paths": [file_name],
-            "files": [{"path": file_name, **span}],
+            "files": [{"path": file_name, **self._span()}],
             "custom_data": None,
             "ros_distro": os.environ.get("ROS_DISTRO", "jazzy"),
         }
-        # The dumper in Python takes as much of a core as all the rest of recording.
+        # The dumper in Python takes five times as long.
         dumper = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
         document = {"rosbag2_bagfile_information": information}
         return str(yaml.dump(document, Dumper=dumper, sort_keys=False))
+
+    def _span(self) -> dict[str, Any]:
+        return {
+            "duration": {"nanoseconds": max(self._end_ns - self._start_ns, 0)},
+            "starting_time": {"nanoseconds_since_epoch": self._start_ns},
+            "message_count": self.message_count,
+        }

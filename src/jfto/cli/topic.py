@@ -10,7 +10,6 @@ import click
 from jfto.cli.ros_options import graph_command, list_options, print_names
 
 if TYPE_CHECKING:
-    from jfto.ros_cli.qos import QosWish
     from jfto.ros_cli.session import Session
 
 _POLICIES = {
@@ -23,14 +22,6 @@ def _qos_options(function: Callable[..., Any]) -> Callable[..., Any]:
     for name, values in _POLICIES.items():
         function = click.option(f"--qos-{name}", type=click.Choice(values))(function)
     return click.option("--qos-depth", type=click.IntRange(min=0), metavar="N")(function)
-
-
-def _wish(choices: dict[str, Any]) -> QosWish:
-    from jfto.ros_cli.qos import QosWish
-
-    return QosWish(
-        choices.pop("qos_depth"), choices.pop("qos_reliability"), choices.pop("qos_durability")
-    )
 
 
 @click.group("topic")
@@ -80,15 +71,15 @@ def info(session: Session, topic: str, verbose: bool) -> None:
 @click.option("--timeout", "timeout_s", type=float, metavar="SECONDS", help="End after so long.")
 @_qos_options
 @graph_command
-def echo(session: Session, topic: str, type_name: str | None, **choices: Any) -> None:
+def echo(
+    session: Session, full_length: bool, length: int, no_arr: bool, no_str: bool, **choices: Any
+) -> None:
     """Print the messages of TOPIC as YAML documents, with a QoS that fits its publishers."""
     from jfto.ros_cli.messages import TextLimits
     from jfto.ros_cli.topic_verbs import echo_topic
 
-    length = None if choices["full_length"] else choices["length"]
-    limits = TextLimits(length, choices["no_arr"], choices["no_str"])
-    chosen = {name: choices[name] for name in ("field", "once", "timeout_s")}
-    echo_topic(session, topic, type_name, _wish(choices), limits, **chosen)
+    limits = TextLimits(None if full_length else length, no_arr, no_str)
+    echo_topic(session, limits, **choices)
 
 
 @command.command("hz")
@@ -120,4 +111,4 @@ def pub(session: Session, once: bool, times: int, **choices: Any) -> None:
 
     if once and times:
         raise click.UsageError("--once and --times exclude each other.")
-    publish(session, wish=_wish(choices), times=1 if once else times, **choices)
+    publish(session, times=1 if once else times, **choices)

@@ -2,21 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 _DEPTH = 10
-
-
-@dataclass(frozen=True)
-class QosWish:
-    """What the user asked for by name, as ros2cli spells it; None where nothing."""
-
-    depth: int | None = None
-    reliability: str | None = None
-    durability: str | None = None
 
 
 def fitting_profile(publishers: list[Any], depth: int = _DEPTH) -> QoSProfile:
@@ -31,14 +21,18 @@ def fitting_profile(publishers: list[Any], depth: int = _DEPTH) -> QoSProfile:
     )
 
 
-def wished(profile: QoSProfile, wish: QosWish) -> QoSProfile:
-    """A profile with what the user asked for put in."""
-    return QoSProfile(
-        depth=profile.depth if wish.depth is None else wish.depth,
-        reliability=ReliabilityPolicy[wish.reliability.upper()]
-        if wish.reliability
-        else profile.reliability,
-        durability=DurabilityPolicy[wish.durability.upper()]
-        if wish.durability
-        else profile.durability,
-    )
+def wished(
+    profile: QoSProfile,
+    *,
+    qos_depth: int | None = None,
+    qos_reliability: str | None = None,
+    qos_durability: str | None = None,
+) -> QoSProfile:
+    """A profile with what the user asked for by name put in, None where nothing."""
+    if qos_depth is not None:
+        profile.depth = qos_depth
+    if qos_reliability is not None:
+        profile.reliability = ReliabilityPolicy[qos_reliability.upper()]
+    if qos_durability is not None:
+        profile.durability = DurabilityPolicy[qos_durability.upper()]
+    return profile

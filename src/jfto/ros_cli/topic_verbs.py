@@ -24,7 +24,7 @@ from jfto.ros_cli.messages import (
     received_ns,
     to_yaml,
 )
-from jfto.ros_cli.qos import QosWish, fitting_profile, wished
+from jfto.ros_cli.qos import fitting_profile, wished
 from jfto.ros_cli.session import Session
 
 _PRINT_EVERY_S = 1.0
@@ -34,14 +34,14 @@ _SILENT_WAIT_S = 0.5
 
 def echo_topic(
     session: Session,
-    topic: str,
-    type_name: str | None,
-    wish: QosWish,
     limits: TextLimits,
     *,
+    topic: str,
+    type_name: str | None,
     field: str | None,
     once: bool,
     timeout_s: float | None,
+    **qos: Any,
 ) -> None:
     """Print the messages of a topic, or a field `a.b`, until interrupted, timed out, or once."""
     printed: list[bool] = []
@@ -52,7 +52,7 @@ def echo_topic(
             click.echo(f"{to_yaml(_field(message, field), limits)}---")
             printed.append(True)
 
-    with _subscribed(session, topic, type_name, wish, show):
+    with _subscribed(session, topic, type_name, show, qos):
         session.spin_until(lambda: once and bool(printed), timeout_s)
 
 
@@ -61,8 +61,8 @@ def _subscribed(
     session: Session,
     topic: str,
     type_name: str | None,
-    wish: QosWish,
     callback: Callable[..., None],
+    qos: dict[str, Any],
     **options: Any,
 ) -> Iterator[None]:
     node = session.node
@@ -72,7 +72,7 @@ def _subscribed(
         name, types = graph.find_topic(session, topic)
     if len(types) > 1:
         raise RosCommandError(f"Topic {name} has several types: {', '.join(types)}. Name one.")
-    profile = wished(fitting_profile(node.get_publishers_info_by_topic(name)), wish)
+    profile = wished(fitting_profile(node.get_publishers_info_by_topic(name)), **qos)
     kind = message_class(types[0])
     subscription = node.create_subscription(kind, name, callback, profile, **options)
     try:
@@ -97,7 +97,7 @@ def print_rate(session: Session, topic: str, window: int) -> None:
         times_ns.append(received_ns(info))
         fresh.append(True)
 
-    with _subscribed(session, topic, None, QosWish(), count, raw=True):
+    with _subscribed(session, topic, None, count, {}, raw=True):
         while True:
             session.spin_until(lambda: False, _PRINT_EVERY_S)
             if fresh and len(times_ns) > 1:
@@ -118,13 +118,13 @@ def rate_text(times_ns: list[int]) -> str:
 
 def publish(
     session: Session,
+    *,
     topic: str,
     type_name: str,
     values: str,
-    wish: QosWish,
-    *,
     rate_hz: float,
     times: int,
+    **qos: Any,
 ) -> None:
     """Publish a message `times` times (0: until interrupted).
 
@@ -140,7 +140,7 @@ def publish(
 
     # What is wrong is told before anybody is waited for.
     message()
-    profile = wished(QoSProfile(depth=10), wish)
+    profile = wished(QoSProfile(depth=10), **qos)
     publisher = node.create_publisher(kind, graph.full_name(node, topic), profile)
     wait_s = _SILENT_WAIT_S
     while times and not session.spin_until(publisher.get_subscription_count, wait_s):
