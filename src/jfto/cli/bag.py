@@ -29,7 +29,10 @@ def command() -> None:
 @click.option("-t", "--topic-name", "names_only", is_flag=True, help="Print topic names only.")
 @debug_option
 def info(bag: Path, names_only: bool, debug: bool) -> int:  # noqa: ARG001
-    """Show what BAG holds: a folder, or an .mcap or .db3 file. Reads unfinished recordings too."""
+    """Show what BAG holds.
+
+    BAG is a folder, or an .mcap or .db3 file. Unfinished recordings are read too.
+    """
     from jfto.bag.info_text import info_text
     from jfto.bag.reader import Bag
 
@@ -48,9 +51,9 @@ def info(bag: Path, names_only: bool, debug: bool) -> int:  # noqa: ARG001
 @click.argument("topics", nargs=-1)
 @click.option("-a", "--all", "everything", is_flag=True, help="Record all topics.")
 @click.option("-e", "--regex", metavar="REGEX", help="Record topics that match.")
-@click.option("-x", "--exclude-topics", "excluded", multiple=True, metavar="TOPIC")
+@click.option("-x", "--exclude-topics", "excluded", multiple=True, metavar="TOPIC", help="But not.")
 @click.option("-o", "--output", type=_PATH, metavar="DIR", help="Folder to make.")
-@click.option("--next-free", is_flag=True, help="If DIR is there, record to DIR-2, DIR-3 and so on")
+@click.option("--next-free", is_flag=True, help="If DIR is there, record to DIR-2 and so on.")
 @click.option(
     "--use-sim-time",
     "sim_time",
@@ -74,9 +77,10 @@ def info(bag: Path, names_only: bool, debug: bool) -> int:  # noqa: ARG001
 def record(
     topics: tuple[str, ...], output: Path | None, params_file: Path | None, **choices: Any
 ) -> int:
-    """Record TOPICS, those that appear later included, until interrupted.
+    """Record TOPICS until interrupted.
 
-    An mcap bag of version 9 that `ros2 bag` plays. A kill costs no more than the last second.
+    Those that appear later are included. The bag is an mcap bag of version 9 that `ros2 bag` plays.
+    A kill costs no more than the last second.
     """
     from jfto.bag.choice import Choice
     from jfto.bag.recorder import PARAMETERS_NAME, BagRecorder
@@ -132,7 +136,7 @@ def _pattern(text: str | None) -> re.Pattern[str] | None:
 @command.command("play")
 @click.argument("bag", type=_PATH)
 @click.argument("more", nargs=-1, metavar="[TOPIC]... [OLD:=NEW]...")
-@click.option("-r", "--rate", type=_RATE, default=1.0, show_default=True)
+@click.option("-r", "--rate", type=_RATE, default=1.0, metavar="N", help="N times as fast.")
 @click.option("--topics", multiple=True, metavar="TOPIC", help="Play this topic; more may follow.")
 @click.option(
     "--clock",
@@ -143,9 +147,16 @@ def _pattern(text: str | None) -> re.Pattern[str] | None:
     metavar="[HZ]",
     help="Publish /clock, 40 times a second if not told otherwise.",
 )
-@click.option("--start-offset", "start_offset_s", type=_SECONDS, default=0.0, metavar="SECONDS")
+@click.option(
+    "--start-offset",
+    "start_offset_s",
+    type=_SECONDS,
+    default=0.0,
+    metavar="SECONDS",
+    help="Begin so far into the bag.",
+)
 @click.option("-l", "--loop", is_flag=True, help="Begin anew at the end.")
-@click.option("-m", "--remap", multiple=True, metavar="OLD:=NEW")
+@click.option("-m", "--remap", multiple=True, metavar="OLD:=NEW", help="Play under another name.")
 @spin_option
 @debug_option
 def play(
@@ -157,7 +168,10 @@ def play(
     debug: bool,  # noqa: ARG001
     **options: Any,
 ) -> int:
-    """Publish the messages of BAG with the QoS that was recorded."""
+    """Publish the messages of BAG.
+
+    They keep their rhythm, and the QoS that was recorded.
+    """
     from jfto.bag.reader import Bag
 
     renamed = _remap([*remap, *(each for each in more if ":=" in each)])
@@ -216,10 +230,10 @@ def replay(
     output: Path | None,
     debug: bool,  # noqa: ARG001
 ) -> int:
-    """Feed BAG to nodes by message time, and compare their outputs with the recorded ones.
+    """Feed BAG to nodes and compare their outputs.
 
-    No network and no clock: the same bag gives the same outputs. Status 0 if all outputs are
-    within the tolerance, 1 if not.
+    No network and no clock: the same bag gives the same outputs. Status 0 if all are within the
+    tolerance of what was recorded, 1 if not.
     """
     from jfto_msgs_py.ros.installation import require_ros
 

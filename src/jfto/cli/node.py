@@ -38,7 +38,7 @@ def list_(session: Session, hidden: bool, count_only: bool) -> None:
 @click.option("--include-hidden", "hidden", is_flag=True, help="Show hidden topics too.")
 @graph_command
 def info(session: Session, node_name: str, hidden: bool) -> None:
-    """Show what NODE_NAME publishes, subscribes to, serves and calls."""
+    """Show topics and services of NODE_NAME."""
     from jfto.ros_cli import graph
 
     node = session.node

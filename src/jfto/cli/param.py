@@ -22,7 +22,7 @@ def command() -> None:
 @click.option("--param-type", "show_types", is_flag=True, help="Show the types too.")
 @graph_command
 def list_(session: Session, node_name: str | None, show_types: bool) -> None:
-    """List the parameters of NODE_NAME, or of all nodes."""
+    """List those of NODE_NAME, or of all nodes."""
     from jfto.ros_cli import graph
     from jfto.ros_cli.parameters import list_types, wait_for
 
@@ -69,9 +69,10 @@ def get(session: Session, node_name: str, name: str, hide_type: bool) -> None:
 @click.argument("value")
 @graph_command
 def set_(session: Session, node_name: str, name: str, value: str) -> int:
-    """Set parameter NAME of NODE_NAME to VALUE, in YAML.
+    """Set parameter NAME of NODE_NAME.
 
-    Status 1 where the node refuses; ros2cli ends with 0.
+    VALUE is YAML; what is neither a number, a truth nor a list is a text. Status 1 where the node
+    refuses; ros2cli ends with 0.
     """
     from jfto.ros_cli import graph
     from jfto.ros_cli.parameters import set_value, wait_for
@@ -89,7 +90,10 @@ def set_(session: Session, node_name: str, name: str, value: str) -> int:
 @click.argument("node_name")
 @graph_command
 def dump(session: Session, node_name: str) -> None:
-    """Print all parameters of NODE_NAME that have a value, as a parameter file."""
+    """Print NODE_NAME's as a parameter file.
+
+    Those without a value are left out.
+    """
     import yaml
 
     from jfto.ros_cli import graph

@@ -35,9 +35,9 @@ def list_(session: Session, hidden: bool, **style: bool) -> None:
 @click.argument("values", default="{}")
 @graph_command
 def call(session: Session, name: str, type_name: str, values: str) -> None:
-    """Call service NAME of TYPE with VALUES, YAML of the request.
+    """Call service NAME of TYPE.
 
-    Waits for a service that is not there yet.
+    VALUES is YAML of the request, as in '{data: true}'. Waits for a service that is not there yet.
     """
     from jfto.ros_cli import graph
     from jfto.ros_cli.errors import RosCommandError

@@ -13,15 +13,16 @@ if TYPE_CHECKING:
     from jfto.ros_cli.session import Session
 
 _POLICIES = {
-    "reliability": ("reliable", "best_effort", "system_default"),
-    "durability": ("transient_local", "volatile", "system_default"),
+    "reliability": ("reliable", "best_effort"),
+    "durability": ("transient_local", "volatile"),
 }
 
 
 def _qos_options(function: Callable[..., Any]) -> Callable[..., Any]:
     for name, values in _POLICIES.items():
-        function = click.option(f"--qos-{name}", type=click.Choice(values))(function)
-    return click.option("--qos-depth", type=click.IntRange(min=0), metavar="N")(function)
+        kind = click.Choice(values)
+        function = click.option(f"--qos-{name}", type=kind, metavar="|".join(values))(function)
+    return click.option("--qos-depth", type=click.IntRange(min=1), metavar="N")(function)
 
 
 @click.group("topic")
@@ -44,7 +45,7 @@ def list_(session: Session, hidden: bool, **style: bool) -> None:
 @click.option("-v", "--verbose", is_flag=True, help="Show nodes, QoS profiles and type hashes.")
 @graph_command
 def info(session: Session, topic: str, verbose: bool) -> None:
-    """Show the type of TOPIC, who publishes it and who subscribes to it."""
+    """Show the type and both ends of TOPIC."""
     from jfto.ros_cli import graph
 
     node = session.node
@@ -64,7 +65,16 @@ def info(session: Session, topic: str, verbose: bool) -> None:
 @click.argument("type_name", metavar="[TYPE]", required=False)
 @click.option("--field", metavar="NAME", help="Print one field; dots lead into it.")
 @click.option("-f", "--full-length", is_flag=True, help="Cut nothing.")
-@click.option("-l", "--truncate-length", "length", type=int, default=128, show_default=True)
+@click.option(
+    "-l",
+    "--truncate-length",
+    "length",
+    type=click.IntRange(0),
+    default=128,
+    show_default=True,
+    metavar="N",
+    help="Cut arrays and texts to so many.",
+)
 @click.option("--no-arr", is_flag=True, help="Name arrays instead of printing them.")
 @click.option("--no-str", is_flag=True, help="Name strings instead of printing them.")
 @click.option("--once", is_flag=True, help="Print one message and end.")
@@ -74,7 +84,10 @@ def info(session: Session, topic: str, verbose: bool) -> None:
 def echo(
     session: Session, full_length: bool, length: int, no_arr: bool, no_str: bool, **choices: Any
 ) -> None:
-    """Print the messages of TOPIC as YAML documents, with a QoS that fits its publishers."""
+    """Print the messages of TOPIC.
+
+    Each is a YAML document. The QoS fits the publishers where none is asked for.
+    """
     from jfto.ros_cli.messages import TextLimits
     from jfto.ros_cli.topic_verbs import echo_topic
 
@@ -84,10 +97,18 @@ def echo(
 
 @command.command("hz")
 @click.argument("topic")
-@click.option("-w", "--window", type=click.IntRange(min=1), default=10000, show_default=True)
+@click.option(
+    "-w",
+    "--window",
+    type=click.IntRange(min=1),
+    default=10000,
+    show_default=True,
+    metavar="N",
+    help="Over the last so many messages.",
+)
 @graph_command
 def hz(session: Session, topic: str, window: int) -> None:
-    """Print the rate at which messages of TOPIC arrive."""
+    """Print the rate of TOPIC."""
     from jfto.ros_cli.topic_verbs import print_rate
 
     print_rate(session, topic, window)
@@ -97,15 +118,32 @@ def hz(session: Session, topic: str, window: int) -> None:
 @click.argument("topic")
 @click.argument("type_name", metavar="TYPE")
 @click.argument("values", default="{}")
-@click.option("-r", "--rate", "rate_hz", type=click.FloatRange(0, min_open=True), default=1.0)
+@click.option(
+    "-r",
+    "--rate",
+    "rate_hz",
+    type=click.FloatRange(0, min_open=True),
+    default=1.0,
+    show_default=True,
+    metavar="HZ",
+    help="Publish so often a second.",
+)
 @click.option("-1", "--once", is_flag=True, help="Publish once.")
-@click.option("-t", "--times", type=click.IntRange(min=0), default=0, help="Publish so often.")
+@click.option(
+    "-t",
+    "--times",
+    type=click.IntRange(min=0),
+    default=0,
+    metavar="N",
+    help="Publish so often and end.",
+)
 @_qos_options
 @graph_command
 def pub(session: Session, once: bool, times: int, **choices: Any) -> None:
-    """Publish VALUES, YAML of a message of TYPE, on TOPIC.
+    """Publish a message of TYPE on TOPIC.
 
-    With --once or --times it waits for a subscription first.
+    VALUES is YAML, as in '{data: 1.5}'. A header may be `auto` and a stamp `now`. With --once or
+    --times a subscription is waited for first.
     """
     from jfto.ros_cli.topic_verbs import publish
 
