@@ -80,9 +80,9 @@ def _feed(messages: list[BagMessage], edges: list[ReplayEdges], clock: ReplayClo
     for message in messages:
         clock.advance(message.stamp_ns)
         for each in edges:
-            entry = each.inputs.get(message.topic)
-            if entry is not None:
-                entry.callback(deserialize_message(message.data, entry.kind))
+            if message.topic in each.inputs:
+                kind, take = each.inputs[message.topic]
+                take(deserialize_message(message.data, kind))
                 count += 1
     return count
 

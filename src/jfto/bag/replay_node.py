@@ -42,14 +42,6 @@ class Output:
     data: bytes
 
 
-@dataclass(frozen=True)
-class Input:
-    """A subscription: the class of its messages and what takes them."""
-
-    kind: Any
-    callback: Callable[[Any], Any]
-
-
 class ReplayEdges:
     """What a node reaches of the world: recorded inputs, the replay's clock, a list of outputs.
 
@@ -58,7 +50,8 @@ class ReplayEdges:
 
     def __init__(self, node: Any, clock: ReplayClock, outputs: list[Output]) -> None:
         self.node = node
-        self.inputs: dict[str, Input] = {}
+        # Class of the messages, and what takes them, by topic.
+        self.inputs: dict[str, tuple[Any, Callable[[Any], Any]]] = {}
         self.published: set[str] = set()
         self._clock = clock
         self._outputs = outputs
@@ -68,7 +61,7 @@ class ReplayEdges:
         node.create_timer = self._add_timer
 
     def _subscribe(self, kind: Any, topic: str, callback: Any, *_: Any, **__: Any) -> None:
-        self.inputs[topic] = Input(kind, callback)
+        self.inputs[topic] = (kind, callback)
 
     def _announce(self, _kind: Any, topic: str, *_: Any, **__: Any) -> Any:
         self.published.add(topic)
