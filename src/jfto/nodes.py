@@ -93,10 +93,10 @@ def simulated_fleet(arguments: Arguments = None) -> int:
     """Run simulated vehicles, whose time is that of the graph."""
 
     def make() -> Any:
-        from jfto.planning.terrain import dem_of
+        from jfto.planning.terrain import known_dem_of
         from jfto.simulated_fleet_node import SimulatedFleetNode
 
-        return SimulatedFleetNode(dem_of)
+        return SimulatedFleetNode(known_dem_of)
 
     return _run(make, arguments)
 

@@ -36,11 +36,13 @@ from jfto_world.terrain import Dem
 class SimulatedFleetNode(GraphNode[SimulatedFleetOptions]):
     """Flies a vehicle per UAV from the pads of the plan file; publishes /clock and /jfto/air/*.
 
-    `dem_of` knows a scenario's terrain. The vehicles outlive deactivation: only cleaning up, or
-    the end of the process, takes them out of the air.
+    `dem_of` tells a scenario's terrain, None where nobody knows it. The vehicles outlive
+    deactivation: only cleaning up, or the end of the process, takes them out of the air.
     """
 
-    def __init__(self, dem_of: Callable[[Scenario], Dem] | None = None, **arguments: Any) -> None:
+    def __init__(
+        self, dem_of: Callable[[Scenario], Dem | None] | None = None, **arguments: Any
+    ) -> None:
         self._dem_of = dem_of
         self._link: Opening[SimServer] | None = None
         super().__init__("simulated_fleet", SimulatedFleetOptions, **arguments)

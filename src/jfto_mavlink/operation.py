@@ -8,7 +8,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -20,14 +20,19 @@ from jfto_mavlink.fleet.roster import Roster, parse_vehicles
 from jfto_mavlink.fleet.station import StationSettings
 from jfto_mavlink.fleet.watched_flight import Recognised, WatchedFlight, recognise_all
 from jfto_mavlink.flight.follow import Moment
+from jfto_mavlink.flight.preflight import GateSettings
 from jfto_mavlink.flight.telemetry import LinkState, Measurement, PositionSample, Sample, listen
 from jfto_mavlink.guided.orders import GuidedOrders
 from jfto_mavlink.guided.scheduler import GuidedSettings
 from jfto_mavlink.guided.target import MapFrame
 from jfto_mavlink.io.signing import load_signer
 from jfto_mavlink.mission.build import VehicleMission, build_missions
-from jfto_mavlink.mission.limits import Ground
-from jfto_mavlink.mission.settings import MissionSettings, settings_for
+from jfto_mavlink.mission.limits import Ground, MissionLimits
+from jfto_mavlink.mission.settings import (
+    MissionSettings,
+    require_times_for_gates,
+    settings_for,
+)
 from jfto_mavlink.options import BridgeOptions
 from jfto_mavlink.protocol.exchange import Context
 from jfto_mavlink.protocol.setup import rates_for
@@ -37,6 +42,7 @@ from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.plan_file import read_plan
 from jfto_msgs_py.records.event import Event
 from jfto_msgs_py.vehicle import VehiclePose
+from jfto_world.motion.arducopter.takeoff import SPOOL_UP_S
 from jfto_world.terrain.frame import LocalFrame
 
 NS = 1_000_000_000
@@ -96,7 +102,7 @@ def open_operation(
             f"{path} is for {', '.join(ids)}, the scenario for {', '.join(uavs)}. Give both the "
             "same fleet."
         )
-    settings = _mission_settings(plan, options)
+    settings = mission_settings(plan, options)
     built = build_missions(plan, settings, ground=None if ground is None else ground())
     link = stack.enter_context(
         FleetLink(
@@ -112,7 +118,7 @@ def open_operation(
         )
     )
     fleet = Fleet(link, {mission.uav: mission for mission in built}, node.report)
-    chosen = OrderSettings(options.allow_arming, options.abort_by_landing)
+    chosen = _order_settings(plan, options, node)
     orders = FleetOrders(fleet, chosen)
     if options.guided:
         guided = GuidedSettings(take_off_m=settings.takeoff_height_m)
@@ -120,13 +126,39 @@ def open_operation(
     return Operation(plan, link, orders, options, node)
 
 
-def _mission_settings(plan: Plan, options: BridgeOptions) -> MissionSettings:
+def mission_settings(plan: Plan, options: BridgeOptions) -> MissionSettings:
+    """How the parameters want the missions of a plan; raises MissionError."""
+    if options.gates:
+        require_times_for_gates(plan)
     return settings_for(
         plan,
         style=None if options.style == "planned" else options.style,
         pass_within_m=options.pass_within_m,
         takeoff_height_m=options.takeoff_height_m or None,
+        return_height_m=options.return_height_m or None,
+        gates=tuple(gate - 1 for gate in options.gates),
+        start_unix_s=options.start_at_s or None,
+        limits=MissionLimits(
+            height_min_m=options.height_min_m,
+            height_max_m=options.height_max_m,
+            distance_max_m=options.distance_max_m,
+        ),
     )
+
+
+def _order_settings(plan: Plan, options: BridgeOptions, node: NodeSide) -> OrderSettings:
+    """Orders that keep to the time gates, where there are any."""
+    chosen = OrderSettings(options.allow_arming, options.abort_by_landing)
+    if not options.gates:
+        return chosen
+    unix = node.clock or time.time
+
+    def away_s() -> float:
+        # Times count from lift-off, to which the rotors take their time from the start on.
+        return options.start_at_s - SPOOL_UP_S - unix()
+
+    checks = GateSettings(utc_error_max_s=plan.slots.duration_s / 4)
+    return replace(chosen, gate=checks, start_away_s=away_s)
 
 
 class Operation:

@@ -51,6 +51,30 @@ class BridgeOptions:
         low=0.0,
         high=500.0,
     )
+    return_height_m: float = param(
+        0.0,
+        "Climb to this height above home before returning, if lower; 0: as the terrain asks.",
+        unit="m",
+        low=0.0,
+        high=1000.0,
+    )
+    height_min_m: float = param(
+        0.0, "Least height above home, where the terrain is not known.", unit="m", low=-500.0
+    )
+    height_max_m: float = param(1000.0, "Greatest height above home.", unit="m", low=1.0)
+    distance_max_m: float = param(5000.0, "Greatest distance from home.", unit="m", low=1.0)
+    gates: tuple[int, ...] = param(
+        (),
+        "Time gates: behind their K-th waypoint (1, 2 …) all wait for its planned time, so that "
+        "slots are kept by the clock; they need start_at_s.",
+        low=1,
+    )
+    start_at_s: float = param(
+        0.0,
+        "With gates: planned moment of lift-off, seconds since the epoch on the vehicles' clock.",
+        unit="s",
+        low=0.0,
+    )
     check_terrain: bool = param(
         True, "Refuse missions whose legs or way home do not clear the scenario's terrain."
     )

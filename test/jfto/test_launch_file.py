@@ -15,8 +15,7 @@ import yaml
 
 from jfto.cli.up import graph_of
 from jfto.node_options import NODE_OPTIONS
-from jfto.pipeline.directory import SCENARIO_NAME
-from jfto.planning.scenario_file import load_scenario
+from jfto.planning.scenario_file import SCENARIO_NAME, load_scenario
 from jfto.supervision.graph import graph_commands
 from jfto.supervision.graph_table import EXIT_STATUSES, RECORDER
 from jfto_msgs_py.scenario import Given

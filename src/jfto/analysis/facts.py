@@ -104,7 +104,7 @@ class FlightFacts:
 
 
 def flight_facts(
-    bags: Sequence[Path], plan: Plan, comparison: Comparison, dem: Dem, scenario: Scenario
+    bags: Sequence[Path], plan: Plan, comparison: Comparison, dem: Dem | None, scenario: Scenario
 ) -> FlightFacts:
     """The flight of a plan in its bags, held against it.
 
@@ -127,15 +127,15 @@ def facts_of(
     flight: RecordedFlight,
     plan: Plan,
     planned: AlgorithmResult,
-    dem: Dem,
+    dem: Dem | None,
     *,
     n_dc: int,
     clearance_m: float,
 ) -> FlightFacts:
     """Hold a flight against its plan.
 
-    `clearance_m` is the least height over the terrain away from the pads. Raises InputError where
-    the record holds no pose after lift-off.
+    `dem` is None where the terrain is unknown; `clearance_m` is the least height over it away from
+    the pads. Raises InputError where the record holds no pose after lift-off.
     """
     passages = passages_of(flight, plan)
     done = finished_s(passages)
@@ -169,8 +169,10 @@ def facts_of(
     )
 
 
-def _heights(grid: FlownGrid, dem: Dem) -> Array:
+def _heights(grid: FlownGrid, dem: Dem | None) -> Array:
     """Height over the terrain (T, A), nan where a UAV was never seen or is beyond the DEM."""
+    if dem is None:
+        return np.full(grid.position_m.shape[:2], np.nan)
     east, north, up = np.moveaxis(grid.position_m, 2, 0)
     half_east, half_north = dem.half_extent_m
     with np.errstate(invalid="ignore"):

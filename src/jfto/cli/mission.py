@@ -42,7 +42,7 @@ def export(plan: Path, out: Path, form: str, debug: bool, **choices: Any) -> int
     """Write one mission file per UAV of PLAN for QGroundControl and Mission Planner."""
     from jfto_mavlink.files import write_mission
 
-    missions = build(plan, choices).missions
+    missions = build(plan, choices)
     out.mkdir(parents=True, exist_ok=True)
     for uav, mission in missions.items():
         for path in write_mission(out / f"{uav}{FORMATS[form]}", mission.mission):
@@ -100,13 +100,13 @@ def diff(old: Path, new: Path, debug: bool) -> int:  # noqa: ARG001
 @debug_option
 def upload(plan: Path, debug: bool, **choices: Any) -> int:  # noqa: ARG001
     """Upload PLAN's missions to all vehicles, read back, compare; all are released or none."""
-    from jfto.cli.flight_screen import FlightScreen
+    from jfto.console.vehicles import show_vehicles
     from jfto_mavlink.fleet.fly import deliver_to_fleet
 
-    missions = build(plan, choices).missions
-    with _session(choices, missions) as session, FlightScreen() as screen:
+    missions = build(plan, choices)
+    with _session(choices, missions) as session, show_vehicles() as progress:
         sent = {uav: mission.mission for uav, mission in missions.items()}
-        outcome = deliver_to_fleet(session.runner, sent, screen.report)
+        outcome = deliver_to_fleet(session.runner, sent, progress.report)
     for uav, delivered in outcome.delivered.items():
         click.echo(f"✓ {uav}  verified  {delivered.duration_s:5.1f} s  {delivered.digest[:12]}")
     for uav, error in outcome.failed.items():
@@ -124,17 +124,17 @@ def upload(plan: Path, debug: bool, **choices: Any) -> int:  # noqa: ARG001
 @debug_option
 def verify_command(plan: Path, debug: bool, **choices: Any) -> int:  # noqa: ARG001
     """Compare what the vehicles hold with PLAN's missions, item by item. Status 1 if different."""
-    from jfto.cli.flight_screen import FlightScreen
+    from jfto.console.vehicles import show_vehicles
     from jfto_mavlink.mission.deliver import verify
 
-    missions = build(plan, choices).missions
+    missions = build(plan, choices)
 
     def job(mission: Mission) -> Any:
         return lambda context: verify(context, mission)
 
-    with _session(choices, missions) as session, FlightScreen() as screen:
+    with _session(choices, missions) as session, show_vehicles() as progress:
         jobs = {uav: job(mission.mission) for uav, mission in missions.items()}
-        results = session.runner.run(jobs, screen.report)
+        results = session.runner.run(jobs, progress.report)
     return _show_differences(results)
 
 
@@ -145,7 +145,7 @@ def verify_command(plan: Path, debug: bool, **choices: Any) -> int:  # noqa: ARG
 @debug_option
 def clear_command(debug: bool, yes: bool, **choices: Any) -> int:  # noqa: ARG001
     """Remove mission, fence and rally points from vehicles."""
-    from jfto.cli.flight_screen import FlightScreen
+    from jfto.console.vehicles import show_vehicles
     from jfto_mavlink.mission.deliver import clear
     from jfto_mavlink.protocol.exchange import Context, Exchange
     from jfto_mavlink.protocol.item import FENCE, MISSION, RALLY
@@ -158,8 +158,10 @@ def clear_command(debug: bool, yes: bool, **choices: Any) -> int:  # noqa: ARG00
             yield from clear(context, mission_type)
         return ()
 
-    with _session(choices, {}) as session, FlightScreen() as screen:
-        results = session.runner.run(dict.fromkeys(session.runner.roster.uavs, job), screen.report)
+    with _session(choices, {}) as session, show_vehicles() as progress:
+        results = session.runner.run(
+            dict.fromkeys(session.runner.roster.uavs, job), progress.report
+        )
     return _show_differences(results)
 
 
@@ -170,7 +172,7 @@ def clear_command(debug: bool, yes: bool, **choices: Any) -> int:  # noqa: ARG00
 @debug_option
 def sign(key_file: Path, create: bool, debug: bool, **choices: Any) -> int:  # noqa: ARG001
     """Give vehicles the signing key in FILE, over a cable: the key travels in the clear."""
-    from jfto.cli.flight_screen import FlightScreen
+    from jfto.console.vehicles import show_vehicles
     from jfto_mavlink.io.signing import create_key, load_signer
     from jfto_mavlink.protocol.exchange import Context, Exchange
     from jfto_mavlink.protocol.setup import setup_signing
@@ -184,8 +186,10 @@ def sign(key_file: Path, create: bool, debug: bool, **choices: Any) -> int:  # n
         yield from setup_signing(context, signer)
         return ()
 
-    with _session(choices | {"key_file": None}, {}) as session, FlightScreen() as screen:
-        results = session.runner.run(dict.fromkeys(session.runner.roster.uavs, job), screen.report)
+    with _session(choices | {"key_file": None}, {}) as session, show_vehicles() as progress:
+        results = session.runner.run(
+            dict.fromkeys(session.runner.roster.uavs, job), progress.report
+        )
     return _show_differences(results)
 
 
@@ -200,7 +204,7 @@ def order_command(order: str, only: tuple[str, ...], debug: bool, **choices: Any
 
     Vehicles that are not heard do not keep the others from being told.
     """
-    from jfto.cli.flight_screen import FlightScreen
+    from jfto.console.vehicles import show_vehicles
     from jfto_mavlink.errors import RosterError
     from jfto_mavlink.flight import control
     from jfto_mavlink.protocol.exchange import Context, Exchange
@@ -217,12 +221,12 @@ def order_command(order: str, only: tuple[str, ...], debug: bool, **choices: Any
         yield from orders[order](context)
         return ()
 
-    with _session(choices, {}, complete=False) as session, FlightScreen() as screen:
+    with _session(choices, {}, complete=False) as session, show_vehicles() as progress:
         uavs = session.runner.roster.uavs
         unknown = set(only) - set(uavs)
         if unknown:
             raise RosterError(205, f"{', '.join(sorted(unknown))}: not in the roster.")
-        results = session.runner.run(dict.fromkeys(only or uavs, job), screen.report)
+        results = session.runner.run(dict.fromkeys(only or uavs, job), progress.report)
     return _show_differences(results)
 
 

@@ -1,9 +1,8 @@
-"""Options that `jfto mission` and `jfto fly` share, and what they read with them."""
+"""Options that the commands of `jfto mission` share, and what they read with them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,8 +10,6 @@ import click
 
 if TYPE_CHECKING:
     from jfto_mavlink.mission.build import VehicleMission
-    from jfto_msgs_py.plan import Plan
-    from jfto_world.terrain import Dem
 
 Function = Callable[..., Any]
 PATH = click.Path(path_type=Path)
@@ -95,45 +92,19 @@ def build_options(function: Function) -> Function:
     return function
 
 
-@dataclass(frozen=True)
-class BuiltFleet:
-    """Missions by UAV, the plan they are of, and its terrain where it is known."""
-
-    plan: Plan
-    missions: dict[str, VehicleMission]
-    dem: Dem | None
-
-
-def build(
-    plan_path: Path,
-    choices: Mapping[str, Any],
-    gates: tuple[int, ...] = (),
-    start_unix_s: float | None = None,
-) -> BuiltFleet:
-    """Missions of a plan file from the values of `build_options`.
-
-    `gates` are indices along the routes behind which all wait for their planned time, counted from
-    `start_unix_s`.
-    """
-    from jfto.pipeline.directory import SCENARIO_NAME
-    from jfto.planning.scenario_file import load_scenario
-    from jfto.planning.terrain import load_ground
-    from jfto_mavlink.errors import MissionError
+def build(plan_path: Path, choices: Mapping[str, Any]) -> dict[str, VehicleMission]:
+    """Missions by UAV of a plan file from the values of `build_options`."""
+    from jfto.planning.scenario_file import SCENARIO_NAME, load_scenario
+    from jfto.planning.terrain import known_ground
     from jfto_mavlink.mission.build import build_missions
     from jfto_mavlink.mission.limits import MissionLimits
     from jfto_mavlink.mission.settings import settings_for
     from jfto_msgs_py.plan_file import read_plan
 
     plan = read_plan(plan_path)
-    if gates and plan.time_model == "constant_speed":
-        raise MissionError(
-            303,
-            f"{plan_path}: its times are those of constant speed. A vehicle late for a gate waits "
-            "up to a minute: plan with the arducopter time model to use gates.",
-        )
     beside = plan_path.with_name(SCENARIO_NAME)
     scenario = choices["terrain"] or (beside if beside.exists() else None)
-    dem = None if scenario is None else load_ground(load_scenario(scenario))
+    dem = None if scenario is None else known_ground(load_scenario(scenario))
     limits = MissionLimits(
         height_min_m=choices["height_min"],
         height_max_m=choices["height_max"],
@@ -145,12 +116,10 @@ def build(
         pass_within_m=choices["within"],
         takeoff_height_m=choices["takeoff_height"],
         return_height_m=choices["return_height"],
-        gates=gates,
-        start_unix_s=start_unix_s,
         limits=limits,
     )
     built = build_missions(plan, settings, ground=None if dem is None else dem.height)
-    return BuiltFleet(plan, {mission.uav: mission for mission in built}, dem)
+    return {mission.uav: mission for mission in built}
 
 
 def roster_texts(vehicles: tuple[str, ...]) -> list[str]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jfto.cli.mission_options import PATH, key_option, roster_texts
-from jfto.cli.options import json_option, out_option, scenario_options
+from jfto.cli.options import Function, json_option, out_option, scenario_options
 
 if TYPE_CHECKING:
     from jfto.conduct.flight_job import FlightEnd
@@ -18,35 +18,55 @@ if TYPE_CHECKING:
     from jfto.supervision.graph_table import Vehicles
 
 
+def flight_options(function: Function) -> Function:
+    """Who flies, how far, and with whose word: options of `run` and `fly`."""
+    for option in reversed(
+        (
+            out_option("DIR", "run-<UTC time>"),
+            click.option(
+                "--until",
+                type=click.Choice(["plan", "upload", "arm"]),
+                help="Stop there: plan and compare at the desk; missions on board and verified; "
+                "every check before arming passed. Nothing is armed.",
+            ),
+            click.option(
+                "--vehicles",
+                metavar="WHO",
+                multiple=True,
+                default=("sim",),
+                show_default=True,
+                help="sim or sim:N: simulated ones. LINK: vehicles with system ids 1, 2 …, all on "
+                "one link or each on its own (udpin:, udpout:, tcp:, serial:). "
+                "UAV=SYSID@LINK[#UID] per vehicle. roster: those of the scenario's section "
+                "mavlink_bridge. May be repeated or separated by commas.",
+            ),
+            key_option,
+            click.option(
+                "--speedup",
+                type=click.FloatRange(0.1, 50.0),
+                help="Simulated vehicles: times real time. Default: what this computer carries, at "
+                "most 10.",
+            ),
+            click.option(
+                "--gates",
+                metavar="K,K…[@S]",
+                help="Time gates: all wait behind their K-th waypoint for its planned time, so "
+                "that slots are kept by the clock. Lift-off is S seconds after the graph is "
+                "started; default: as soon as can be counted on.",
+            ),
+            click.option("--arm", is_flag=True, help="Arm vehicles that are real without asking."),
+            json_option,
+        )
+    ):
+        function = option(function)
+    return function
+
+
 @click.command("run")
 @scenario_options()
-@out_option("DIR", "run-<UTC time>")
 @click.option("--plan", "plan_file", type=PATH, metavar="FILE", help="Plan to fly; else planned.")
-@click.option(
-    "--until",
-    type=click.Choice(["plan", "upload", "arm"]),
-    help="Stop there: plan and compare at the desk; missions on board and verified; every check "
-    "before arming passed. Nothing is armed.",
-)
-@click.option(
-    "--vehicles",
-    metavar="WHO",
-    multiple=True,
-    default=("sim",),
-    show_default=True,
-    help="sim: simulated ones. LINK: vehicles with system ids 1, 2 …, all on one link or each on "
-    "its own (udpin:, udpout:, tcp:, serial:). UAV=SYSID@LINK[#UID] per vehicle. roster: those of "
-    "the scenario's section mavlink_bridge. May be repeated or separated by commas.",
-)
-@key_option
-@click.option(
-    "--speedup",
-    type=click.FloatRange(0.1, 50.0),
-    help="Simulated vehicles: times real time. Default: what this computer carries, at most 10.",
-)
-@click.option("--arm", is_flag=True, help="Arm vehicles that are real without asking.")
-@json_option
-def command(loaded: LoadedScenario, out: Path | None, as_json: bool, **choices: Any) -> int:
+@flight_options
+def command(loaded: LoadedScenario, plan_file: Path | None, **choices: Any) -> int:
     """Plan SCENARIO, fly it, adapt to how it is really flown, record it and report.
 
     Coverage, routes, topology and power are planned and certified; the missions are uploaded and
@@ -64,14 +84,20 @@ def command(loaded: LoadedScenario, out: Path | None, as_json: bool, **choices: 
     Example:  jfto run config/demo.yaml
               jfto run mine.yaml --until arm --vehicles udpin:0.0.0.0:14550
     """
+    return run(loaded, plan_file, choices)
+
+
+def run(loaded: LoadedScenario, plan_file: Path | None, choices: dict[str, Any]) -> int:
+    """Plan, or take `plan_file`; fly; report. `choices` are those of `flight_options`."""
     from jfto.cli.failure import EXIT_INFEASIBLE, EXIT_INTERRUPTED
     from jfto.cli.results import print_run, run_status
     from jfto.console.stages import show_stages
     from jfto.pipeline.directory import make_run_directory, require_no_flight, what_is_kept
     from jfto.pipeline.run import Pipeline
 
+    as_json = choices["as_json"]
     vehicles = None if choices["until"] == "plan" else _vehicles(loaded, choices)
-    directory = make_run_directory(out).resolve()
+    directory = make_run_directory(choices["out"]).resolve()
     if vehicles is not None:
         require_no_flight(directory)
     flight = None
@@ -79,20 +105,19 @@ def command(loaded: LoadedScenario, out: Path | None, as_json: bool, **choices: 
         progress.console.line(_scenario_line(loaded))
         pipeline = Pipeline(loaded, directory, progress)
         try:
-            file = choices["plan_file"]
-            planned = pipeline.plan() if file is None else pipeline.take(file)
+            planned = pipeline.plan() if plan_file is None else pipeline.take(plan_file)
             if planned.interrupted:
                 raise KeyboardInterrupt
             if vehicles is not None and planned.plan.clean:
                 flight = _fly(loaded, planned, vehicles, choices, progress)
-            run = pipeline.report(planned)
+            finished = pipeline.report(planned)
         except KeyboardInterrupt:
             state = "" if flight is None else f" {flight.outcome.text}"
             progress.console.hide()
             click.echo(f"Interrupted.{state} {what_is_kept(directory)}", err=True)
             return EXIT_INTERRUPTED
-    print_run(loaded, run, flight, as_json=as_json)
-    return run_status(run, flight) if run.plan.clean else EXIT_INFEASIBLE
+    print_run(loaded, finished, flight, as_json=as_json)
+    return run_status(finished, flight) if finished.plan.clean else EXIT_INFEASIBLE
 
 
 def _scenario_line(loaded: LoadedScenario) -> str:
@@ -106,10 +131,20 @@ def _scenario_line(loaded: LoadedScenario) -> str:
 
 def _vehicles(loaded: LoadedScenario, choices: dict[str, Any]) -> Vehicles:
     """Who flies; raises InputError or RosterError before anything is done."""
+    from jfto.conduct.gates import parse_gates
     from jfto.conduct.pace import default_speedup
     from jfto.conduct.word import require_word
     from jfto.supervision.vehicles import choose_vehicles
     from jfto_mavlink.fleet.roster import are_simulated
+    from jfto_msgs_py.errors import InputError
+
+    if choices["gates"]:
+        parse_gates(choices["gates"])
+    if choices["gates"] and loaded.scenario.trajectory.mode != "waypoints":
+        raise InputError(
+            "--gates is for plans with trajectory.mode waypoints: times of mode straight are not "
+            "those that vehicles keep, and guided flights keep the clock by themselves."
+        )
 
     texts, uavs = roster_texts(choices["vehicles"]), loaded.scenario.fleet.ids
     speedup = choices["speedup"]
@@ -133,7 +168,7 @@ def _vehicles(loaded: LoadedScenario, choices: dict[str, Any]) -> Vehicles:
 
 def _fly(
     loaded: LoadedScenario,
-    run: Run,
+    planned: Run,
     vehicles: Vehicles,
     choices: dict[str, Any],
     progress: StageProgress,
@@ -141,20 +176,29 @@ def _fly(
     """Run the graph and conduct the flight; what came of it is said in the lines of the stages."""
     from jfto.cli.results import say_flight
     from jfto.conduct.flight_job import fly
+    from jfto.conduct.gates import parse_gates
     from jfto.conduct.operator import Terminal
     from jfto.conduct.prepare import prepare
     from jfto.conduct.settings import LANDED
     from jfto.pipeline.directory import forget_dry_run
 
     ask = not (vehicles.simulated or choices["arm"] or choices["until"])
-    job = prepare(loaded, run, vehicles, until=choices["until"] or LANDED, ask=ask)
+    until, gates = choices["until"] or LANDED, choices["gates"]
+    job = prepare(
+        loaded,
+        planned,
+        vehicles,
+        until=until,
+        ask=ask,
+        gates=parse_gates(gates) if gates else None,
+    )
     progress.begin("flight", "starting the graph")
     # The flight shows itself.
     progress.console.hide()
     console = progress.console.rich
-    with Terminal(console, len(run.plan.uavs), quiet=console.quiet) as operator:
+    with Terminal(console, len(planned.plan.uavs), quiet=console.quiet) as operator:
         end = fly(job, operator)
     if not end.outcome.flown:
         forget_dry_run(job.directory)
-    say_flight(run.plan, job, end, progress)
+    say_flight(planned.plan, job, end, progress)
     return end

@@ -125,7 +125,8 @@ def graph_of(
     loaded: LoadedScenario, out: Path | None, plan_file: Path | None, choices: Mapping[str, Any]
 ) -> GraphOptions:
     """What is to run, in a directory that has its scenario and the plan, where one is given."""
-    from jfto.pipeline.directory import PLAN_NAME, SCENARIO_NAME, write_scenario
+    from jfto.pipeline.directory import PLAN_NAME, write_scenario
+    from jfto.planning.scenario_file import SCENARIO_NAME
     from jfto.supervision.graph_table import GraphOptions, suited_to
     from jfto_msgs_py.plan_file import read_plan, write_plan
 

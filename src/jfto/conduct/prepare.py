@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from jfto.conduct.flight_job import FlightJob
-from jfto.conduct.settings import LANDED, ConductSettings
-from jfto.pipeline.directory import SCENARIO_NAME
+from jfto.conduct.gates import Gates
+from jfto.conduct.settings import LANDED, ConductSettings, Patience
 from jfto.pipeline.run import Run
-from jfto.planning.scenario_file import LoadedScenario
+from jfto.planning.scenario_file import SCENARIO_NAME, LoadedScenario
 from jfto.supervision.graph import graph_commands
 from jfto.supervision.graph_table import GraphOptions, Vehicles
 
@@ -14,11 +16,26 @@ _GUIDED = "bezier"
 
 
 def prepare(
-    loaded: LoadedScenario, run: Run, vehicles: Vehicles, *, until: str, ask: bool
+    loaded: LoadedScenario,
+    run: Run,
+    vehicles: Vehicles,
+    *,
+    until: str,
+    ask: bool,
+    gates: Gates | None = None,
 ) -> FlightJob:
     """The processes of the graph with all their parameters, and how the flight is conducted."""
     directory = run.plan_path.parent
     guided = run.plan.time_model == _GUIDED
+    fleet = vehicles.given.get("simulated_fleet")
+    speedup = 1.0 if fleet is None else fleet["speedup"]
+    assert isinstance(speedup, float)
+    bridge: dict[str, object] = {"guided": guided}
+    patience = Patience()
+    if gates is not None:
+        bridge |= gates.parameters(fleet)
+        wait_s = gates.wait_s(speedup) / speedup
+        patience = replace(patience, order_s=patience.order_s + wait_s)
     nodes = graph_commands(
         GraphOptions(
             directory / SCENARIO_NAME,
@@ -28,17 +45,16 @@ def prepare(
             # What stays on the ground is no flight, and would be taken for one.
             record=until == LANDED,
             sections=loaded.node_options,
-            given={"planner_node": {"await_lift_off": True}, "mavlink_bridge": {"guided": guided}},
+            given={"planner_node": {"await_lift_off": True}, "mavlink_bridge": bridge},
         )
     )
-    speedup = vehicles.given.get("simulated_fleet", {}).get("speedup", 1.0)
-    assert isinstance(speedup, float)
     settings = ConductSettings(
         plan_s=run.plan.slots.horizon_s,
         until=until,
         ask=ask,
         speedup=speedup,
         ends_itself=not guided,
+        patience=patience,
     )
     title = f"{loaded.path.stem}, {len(run.plan.uavs)} UAVs"
     return FlightJob(title, directory, run.plan, tuple(nodes), settings, vehicles.simulated)

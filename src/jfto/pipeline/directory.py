@@ -10,7 +10,7 @@ from typing import Any
 
 import yaml
 
-from jfto.planning.scenario_file import BUILT_IN_DEM, SHARED, LoadedScenario
+from jfto.planning.scenario_file import SHARED, LoadedScenario, names_a_file
 from jfto.supervision.graph_table import (
     BAG_NAME,
     ENERGY_NAME,
@@ -20,7 +20,6 @@ from jfto.supervision.graph_table import (
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.files import write_file
 
-SCENARIO_NAME = "scenario.yaml"
 PLAN_NAME = "plan.json"
 INFEASIBLE_NAME = "plan.infeasible.json"
 COVERAGE_NAME = "coverage.json"
@@ -91,7 +90,7 @@ def write_scenario(loaded: LoadedScenario, path: Path) -> str:
     """
     scenario = loaded.scenario
     terrain, waypoints = scenario.terrain, scenario.waypoints
-    if terrain.source != BUILT_IN_DEM:
+    if names_a_file(terrain.source):
         terrain = dataclasses.replace(terrain, source=str(loaded.resolve(terrain.source).resolve()))
     if waypoints.file:
         waypoints = dataclasses.replace(

@@ -9,9 +9,8 @@ from pathlib import Path
 from jfto.analysis.comparison import Comparison, compare
 from jfto.analysis.export import comparison_csv, comparison_object, slots_csv
 from jfto.console.progress import SILENT, Progress
-from jfto.pipeline.directory import SCENARIO_NAME
 from jfto.planning.routes import plan_routes, read_and_certify
-from jfto.planning.scenario_file import LoadedScenario, load_scenario
+from jfto.planning.scenario_file import SCENARIO_NAME, LoadedScenario, load_scenario
 from jfto.planning.survey import survey
 from jfto.planning.terrain import load_ground
 from jfto.report.figures import draw, plan_drawings

@@ -22,13 +22,17 @@ from jfto.pipeline.directory import (
     INFEASIBLE_NAME,
     PLAN_NAME,
     REPORT_NAME,
-    SCENARIO_NAME,
     flight_bags,
     write_scenario,
 )
 from jfto.pipeline.products import Products, digest
-from jfto.planning.scenario_file import BUILT_IN_DEM, LoadedScenario, load_scenario
-from jfto.planning.terrain import load_ground
+from jfto.planning.scenario_file import (
+    SCENARIO_NAME,
+    LoadedScenario,
+    load_scenario,
+    names_a_file,
+)
+from jfto.planning.terrain import known_ground
 from jfto_msgs_py.errors import InputError, JftoError, PlanError
 from jfto_msgs_py.files import read_text, write_file
 from jfto_msgs_py.plan import Plan
@@ -150,7 +154,8 @@ class Pipeline:
         path = save_plan(plan, self._directory / PLAN_NAME)
         length = f"{plan.total_length_m / 1000:.2f} km"
         self._progress.end("routes", length, f"from {file}, checked anew", good=plan.clean)
-        if plan.scenario_hash != self._loaded.scenario.scenario_hash():
+        own = self._loaded.path == file
+        if not own and plan.scenario_hash != self._loaded.scenario.scenario_hash():
             self._progress.warn(
                 f"{file} was planned with other values than {self._loaded.path} has."
             )
@@ -281,15 +286,15 @@ class Pipeline:
     def _given(self) -> list[Path]:
         """Files that the scenario names."""
         scenario, given = self._loaded.scenario, []
-        if scenario.terrain.source != BUILT_IN_DEM:
+        if names_a_file(scenario.terrain.source):
             given.append(self._loaded.resolve(scenario.terrain.source))
         if scenario.waypoints.file:
             given.append(self._loaded.resolve(scenario.waypoints.file))
         return given
 
     @cached_property
-    def _dem(self) -> Dem:
-        return load_ground(self._loaded)
+    def _dem(self) -> Dem | None:
+        return known_ground(self._loaded)
 
     def _coverage(self) -> Mapping[str, Any] | None:
         """Coverage figures of the run; None where its waypoints were not computed."""

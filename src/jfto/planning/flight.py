@@ -33,6 +33,24 @@ SPARE_S, SPARE_M = 1.0, 1.0
 SHORTER_REACH, LESS_ENERGY = 0.98, 0.98
 
 
+# Parameters of a plan's time model, and the keys of scenario part trajectory that they come from.
+ARDUCOPTER_KEYS = {
+    "hold_s": "hold_s",
+    "takeoff_m": "takeoff_m",
+    "accel_mps2": "wpnav_accel_mps2",
+    "accel_z_mps2": "wpnav_accel_z_mps2",
+    "jerk_mps3": "wpnav_jerk_mps3",
+    "radius_m": "wpnav_radius_m",
+    "angle_max_deg": "angle_max_deg",
+}
+CURVE_KEYS = {
+    "accel_mps2": "curve_accel_mps2",
+    "accel_z_mps2": "curve_accel_z_mps2",
+    "jerk_mps3": "curve_jerk_mps3",
+    "tilt_deg": "curve_tilt_deg",
+}
+
+
 @dataclass(frozen=True)
 class Flight:
     """`time_model` is how the routes are flown; `name` and `parameters` are for the plan.
@@ -85,27 +103,14 @@ def flight_of(scenario: Scenario) -> Flight:
         return Flight("constant_speed", {}, time_model_named("constant_speed"), estimated=False)
     if wanted.mode == "waypoints":
         parameters = rounded_record(
-            {
-                "hold_s": wanted.hold_s,
-                "takeoff_m": wanted.takeoff_m,
-                "accel_mps2": wanted.wpnav_accel_mps2,
-                "accel_z_mps2": wanted.wpnav_accel_z_mps2,
-                "jerk_mps3": wanted.wpnav_jerk_mps3,
-                "radius_m": wanted.wpnav_radius_m,
-                "angle_max_deg": wanted.angle_max_deg,
-            }
+            {name: getattr(wanted, key) for name, key in ARDUCOPTER_KEYS.items()}
         )
         # Loaded here: its compiler takes a second, which constant speed need not pay.
         from jfto_world.motion.arducopter import ArduCopter
 
         model = ArduCopter.of_parameters(parameters)
         return Flight("arducopter", model.parameters(), model)
-    curve = {
-        "accel_mps2": wanted.curve_accel_mps2,
-        "accel_z_mps2": wanted.curve_accel_z_mps2,
-        "jerk_mps3": wanted.curve_jerk_mps3,
-        "tilt_deg": wanted.curve_tilt_deg,
-    }
+    curve = {name: getattr(wanted, key) for name, key in CURVE_KEYS.items()}
     settings = SmoothingSettings(corridor_m=wanted.corridor_m)
     cap = photo_cap_mps(scenario)
     smooth = SmoothFlight(

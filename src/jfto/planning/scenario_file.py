@@ -30,6 +30,10 @@ NODES = (
 ROS_KEYS = ("use_sim_time",)
 # The elevation model that comes with the package, as terrain.source names it.
 BUILT_IN_DEM = "jacksboro"
+# What terrain.source says where nobody knows the ground: such a scenario is flown, never planned.
+UNKNOWN_TERRAIN = "unknown"
+# The scenario's name in the directory of a run, beside its plan.
+SCENARIO_NAME = "scenario.yaml"
 _SIZE_LIMIT = 1_000_000
 _DEPTH_LIMIT = 8
 
@@ -43,6 +47,11 @@ _Loader.add_implicit_resolver(
     re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$"),
     list("-+.0123456789"),
 )
+
+
+def names_a_file(source: str) -> bool:
+    """Whether terrain.source is the name of a file."""
+    return source not in {BUILT_IN_DEM, UNKNOWN_TERRAIN}
 
 
 @dataclass(frozen=True)
@@ -71,7 +80,7 @@ def load_scenario(path: str | Path, overrides: Sequence[str] = ()) -> LoadedScen
     problems: list[str] = []
     node_options: dict[str, dict[str, Any]] = {}
     layers = _read_layers(path, problems, node_options)
-    layers.append(_read_overrides(overrides, problems))
+    layers.append(read_overrides(overrides, problems))
     try:
         scenario = make_scenario(layers)
     except ScenarioError as error:
@@ -221,7 +230,8 @@ def _merge_node(
             )
 
 
-def _read_overrides(overrides: Sequence[str], problems: list[str]) -> dict[str, Given]:
+def read_overrides(overrides: Sequence[str], problems: list[str]) -> dict[str, Given]:
+    """Values of `key=value` texts by dotted key; what is wrong with them is added to `problems`."""
     layer: dict[str, Given] = {}
     for text in overrides:
         name, equals, raw = text.partition("=")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from jfto.planning.scenario_file import BUILT_IN_DEM, LoadedScenario
+from jfto.planning.scenario_file import UNKNOWN_TERRAIN, LoadedScenario, names_a_file
 from jfto_msgs_py.errors import TerrainError
 
 if TYPE_CHECKING:
@@ -21,7 +21,12 @@ def load_ground(loaded: LoadedScenario) -> Dem:
 
     terrain = loaded.scenario.terrain
     source: str | Path = terrain.source
-    if source != BUILT_IN_DEM:
+    if source == UNKNOWN_TERRAIN:
+        raise TerrainError(
+            f"{loaded.path}: terrain.source is {UNKNOWN_TERRAIN}: plans can be flown so, not made. "
+            "Name an elevation model."
+        )
+    if names_a_file(terrain.source):
         source = loaded.resolve(terrain.source)
     center = (terrain.center_deg[0], terrain.center_deg[1]) if terrain.center_deg else None
     try:
@@ -35,12 +40,23 @@ def load_ground(loaded: LoadedScenario) -> Dem:
         raise TerrainError(f"{loaded.path}: terrain: {error}") from None
 
 
+def known_ground(loaded: LoadedScenario) -> Dem | None:
+    """Elevation model of a scenario, None where its terrain is unknown; raises TerrainError."""
+    unknown = loaded.scenario.terrain.source == UNKNOWN_TERRAIN
+    return None if unknown else load_ground(loaded)
+
+
 def dem_of(scenario: Scenario) -> Dem:
     """Elevation model for a node, whose scenario's file names stand by themselves.
 
     Raises TerrainError.
     """
     return load_ground(LoadedScenario(scenario, Path("parameters")))
+
+
+def known_dem_of(scenario: Scenario) -> Dem | None:
+    """The same, but None where the terrain is unknown."""
+    return known_ground(LoadedScenario(scenario, Path("parameters")))
 
 
 def ground_of(scenario: Scenario) -> Ground:

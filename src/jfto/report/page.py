@@ -56,13 +56,14 @@ class ReportContent:
 
     `scene` names the scene of the paper to compare with, `figures` maps file stems to PNG bytes,
     `coverage` is the coverage certificate's figures as in coverage.json, or None where waypoints
-    were given, `configuration` the resolved scenario file. Arrivals are also said for a wind of
+    were given, `configuration` the resolved scenario file. `dem` is None where the terrain is
+    unknown. Arrivals are also said for a wind of
     `wind_mps`; `flight` is None until the plan was flown.
     """
 
     plan: Plan
     comparison: Comparison
-    dem: Dem
+    dem: Dem | None
     scene: str
     wind_mps: float
     figures: Mapping[str, bytes]

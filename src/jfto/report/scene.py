@@ -27,13 +27,16 @@ FLOWN = "C-TOP as flown"
 
 
 def scene_data(
-    plan: Plan, comparison: Comparison, dem: Dem, facts: FlightFacts | None = None
+    plan: Plan, comparison: Comparison, dem: Dem | None, facts: FlightFacts | None = None
 ) -> dict[str, Any]:
     """Terrain, routes, positions and links of every slot; lengths in metres, margins in dB.
 
-    With `facts` also the tracks that were flown, under "flown".
+    Terrain that is not known (`dem` is None) is empty. With `facts` also the tracks that
+    were flown, under "flown".
     """
-    x, y, z = sampled_ground(dem, drawn_extent(dem, plan.positions_m), _GROUND_POINTS)
+    x, y, z = (np.zeros(0),) * 3
+    if dem is not None:
+        x, y, z = sampled_ground(dem, drawn_extent(dem, plan.positions_m), _GROUND_POINTS)
     sensitivity_w = float(dbm_to_w(plan.radio.sensitivity_dbm))
     return {
         "terrain": {"x": _short(x), "y": _short(y), "z": _short(z)},

@@ -1,4 +1,4 @@
-"""A fleet from its missions to its landing: all verified on board or none released, then flown."""
+"""A fleet from its missions into the air: all verified on board or none released, then started."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from typing import Any, Protocol, TypeVar
 from jfto_mavlink.errors import FlightError, RosterError
 from jfto_mavlink.fleet.roster import Roster
 from jfto_mavlink.flight.control import StartLine, return_home, start, unless_called_off
-from jfto_mavlink.flight.follow import FlightRecord, follow
 from jfto_mavlink.flight.preflight import GateSettings, gate
 from jfto_mavlink.mission.build import VehicleMission
 from jfto_mavlink.mission.deliver import Delivered, deliver
@@ -109,13 +108,11 @@ PREPARE_S = 8.0
 
 @dataclass(frozen=True)
 class FlySettings:
-    """`stagger_s` is the time between two starts, in the order of the roster.
+    """`start_at_s` is the moment of the start on the link's clock, for missions with time gates.
 
-    `start_at_s` is the moment of the first start on the link's clock, for missions with time
-    gates; None starts as soon as all are ready.
+    None starts as soon as all are ready.
     """
 
-    stagger_s: float = 0.0
     start_at_s: float | None = None
     gate: GateSettings = field(default_factory=GateSettings)
 
@@ -149,20 +146,6 @@ def check_fleet(fleet: Fleet, release: Release, settings: GateSettings) -> None:
         return gate(context, release.missions[context.uav], home, settings)
 
     fleet.check(job)
-
-
-def fly_fleet(fleet: Fleet, release: Release, settings: FlySettings) -> dict[str, FlightRecord]:
-    """Check, start and follow all vehicles; returns their flight records.
-
-    If one does not start, those in the air are called home and FlightError 601 says so.
-    """
-    line = _checked_line(fleet, release, settings)
-    results = fleet.run(lambda context: _journey(context, line, fleet.missions[context.uav]))
-    failed = {uav: r for uav, r in results.items() if isinstance(r, Exception)}
-    if failed:
-        reasons = " ".join(str(error) for error in failed.values())
-        raise FlightError(603, f"The flight was broken off: {reasons}")
-    return {uav: r for uav, r in results.items() if isinstance(r, FlightRecord)}
 
 
 def start_fleet(
@@ -211,25 +194,4 @@ def _checked_line(fleet: Fleet, release: Release, settings: FlySettings) -> Star
                 "gates; no vehicle is armed. Leave more time before the start.",
             )
         begin_s = settings.start_at_s
-    return StartLine({u: begin_s + k * settings.stagger_s for k, u in enumerate(missions)})
-
-
-def _journey(context: Context, line: StartLine, mission: VehicleMission) -> Exchange[FlightRecord]:
-    """Start and follow one vehicle; if another one fails, come home."""
-    try:
-        lift_off_s = yield from start(context, line)
-    except Exception:
-        line.failed = line.failed or context.uav
-        raise
-    following = follow(context, mission, lift_off_s)
-    recalled = False
-    step = next(following)
-    while True:
-        if line.failed and not recalled:
-            recalled = True
-            yield from return_home(context)
-        answer = yield step
-        try:
-            step = following.send(answer)
-        except StopIteration as stop:
-            return stop.value
+    return StartLine(dict.fromkeys(missions, begin_s))

@@ -6,14 +6,12 @@ Fed with the states that vehicles report; knows no ROS and no thread.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import partial
 
 from jfto_mavlink.fleet.changes import LEAVING, place_text, state_changes, troubles_in_flight
-from jfto_mavlink.fleet.fly import Fleet
 from jfto_mavlink.flight.follow import Moment
-from jfto_mavlink.flight.telemetry import LOST_AFTER_S, LinkState, Sample, listen
+from jfto_mavlink.flight.telemetry import LOST_AFTER_S, LinkState
 from jfto_mavlink.mission.build import VehicleMission
 from jfto_mavlink.protocol.item import distance_m
 from jfto_msgs_py.records.event import ERROR, INFO, WARN, Event
@@ -238,15 +236,3 @@ class FlightMonitor:
 def _known(state: LinkState) -> bool:
     """Whether the vehicle has said where it is since this program listens."""
     return not (math.isinf(state.silent_s) or math.isnan(state.place[0]))
-
-
-def watch_fleet(fleet: Fleet, tell: Callable[[Event], None]) -> None:
-    """Tell of a fleet's flight for as long as its links are open; in the runner's thread."""
-    monitor = FlightMonitor(fleet.missions, lost_after_s=fleet.runner.lost_after_s)
-
-    def take(sample: Sample) -> None:
-        for event in monitor.take(sample) if isinstance(sample, LinkState) else ():
-            tell(event)
-
-    for uav, mission in fleet.missions.items():
-        fleet.runner.start(uav, partial(listen, mission=mission, sink=take))

@@ -35,11 +35,15 @@ LEAVING = (MODES["RTL"], MODES["LAND"], MODES["SMART_RTL"])
 
 @dataclass(frozen=True)
 class OrderSettings:
-    """Whether vehicles may be armed, what abort means, and the gate before a start."""
+    """Whether vehicles may be armed, what abort means, and the gate before a start.
+
+    `start_away_s` says how far off the moment of the start is, s; None: as soon as all are ready.
+    """
 
     may_arm: bool
     land_on_abort: bool = False
     gate: GateSettings = field(default_factory=GateSettings)
+    start_away_s: Callable[[], float] | None = None
 
 
 class FleetOrders:
@@ -75,7 +79,9 @@ class FleetOrders:
         """Check, arm and start all vehicles; returns when all fly."""
         with self._start_order():
             release = self._release or self._read_back()
-            start_fleet(self.fleet, release, FlySettings(gate=self.settings.gate), self._begun)
+            away_s = self.settings.start_away_s
+            at_s = None if away_s is None else self.fleet.runner.clock() + away_s()
+            start_fleet(self.fleet, release, FlySettings(at_s, self.settings.gate), self._begun)
             return f"flying: {', '.join(self.missions)}"
 
     def pause(self) -> str:

@@ -114,3 +114,13 @@ def check_as_planned(plan: Plan, settings: MissionSettings) -> None:
             f"the plan is timed with {planned} at waypoints, but missions are to {wanted}. Leave "
             f"the style out to fly as planned, or plan anew with trajectory.hold_s {hold_s:g}.",
         )
+
+
+def require_times_for_gates(plan: Plan) -> None:
+    """Raise MissionError where vehicles cannot keep the times of a plan at time gates."""
+    if plan.time_model == "constant_speed":
+        raise MissionError(
+            303,
+            "the plan's times are those of constant speed. A vehicle late for a gate waits up to a "
+            "minute: plan with trajectory.mode waypoints to use gates.",
+        )

@@ -14,7 +14,8 @@ class TerrainPart:
     source: str = param(
         "jacksboro",
         "Elevation model: a GeoTIFF, SRTM .hgt or Esri ASCII file, relative to the scenario "
-        'file; or "jacksboro", the built-in USGS tile.',
+        'file; "jacksboro", the built-in USGS tile; or "unknown", where a plan is flown of which '
+        "no more is known.",
     )
     center_deg: tuple[float, ...] = param(
         (),

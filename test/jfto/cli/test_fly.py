@@ -1,74 +1,76 @@
-"""jfto fly with simulated vehicles."""
+"""jfto fly: what a plan is flown under, and what is refused before anything is done."""
 
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from jfto.cli import main
-from jfto_mavlink.files.tlog import read_tlog
-from jfto_msgs_py.plan import Origin, Plan, Route, Slots, Uav, Waypoint
-from jfto_msgs_py.plan_file import write_plan
-from jfto_msgs_py.radio import Radio
 
 
 @pytest.fixture
-def plan(tmp_path: Path) -> Path:
-    """Three UAVs, one or two waypoints close by each, at the foot of nothing."""
-    waypoints = tuple(Waypoint(k, (15.0 + k, 12.0 * k, 11.0)) for k in range(1, 6))
-    uavs = tuple(
-        Uav(f"uav{k}", 30.0, 200.0, 450.0, 8.0, 2.5, 1.5, (0.0, 20.0 * k, 0.0)) for k in (1, 2, 3)
-    )
-    routes = (
-        Route((1, 2), (9.0, 15.0), 30.0),
-        Route((3, 4), (9.0, 15.0), 30.0),
-        Route((5,), (9.0,), 18.0),
-    )
-    path = tmp_path / "plan.json"
-    write_plan(
-        Plan("0" * 64, 1, Origin(47.4, 8.5, 488.0), Radio(), 1, 1, 5.0, 1000.0, Slots(10, 1.5),
-             waypoints, uavs, routes, np.zeros((3, 11, 3))),
-        path,
-    )  # fmt: skip
-    return path
+def plan(tiny_run, tmp_path) -> Path:
+    """The tiny scene's plan alone, no scenario beside it."""
+    return Path(shutil.copy(tiny_run[0] / "plan.json", tmp_path / "alone.json"))
 
 
-def test_a_plan_is_flown_to_the_end(plan, tmp_path, capsys):
-    """Every waypoint within 2 m, all landed, a log per vehicle and a record of the flight."""
-    out = tmp_path / "flight"
-    arguments = ["fly", str(plan), "--vehicles", "sim:3", "--speedup", "15", "-o", str(out)]
+def test_a_plan_alone_is_enough(plan, tmp_path, capsys) -> None:
+    """Checked, compared and reported; the terrain is said to be unknown, and no map is drawn."""
+    out = tmp_path / "run"
+    assert main(["fly", str(plan), "--until", "plan", "-o", str(out), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["certificate"]["clean"]
+    assert (out / "plan.json").read_bytes() == plan.read_bytes()
+    assert "source: unknown" in (out / "scenario.yaml").read_text()
+    assert "The terrain is not known." in (out / "report.html").read_text()
+    assert {path.stem for path in (out / "figures").glob("*.png")} == {
+        "throughput",
+        "degree_energy",
+    }
+
+
+def test_the_scenario_beside_a_plan_is_what_it_is_flown_under(tiny_run, tmp_path) -> None:
+    """Its terrain, and all that a plan does not say."""
+    out = tmp_path / "run"
+    arguments = ["fly", str(tiny_run[0] / "plan.json"), "--until", "plan", "-o", str(out)]
     assert main(arguments) == 0
-    screen = capsys.readouterr().out
-    assert screen.count("✓ uav") == 3
-    flight = json.loads((out / "flight.json").read_text())
-    passages = [w for v in flight["vehicles"].values() for w in v["waypoints"]]
-    assert len(passages) == 5
-    assert all(w["closest_m"] <= 2.0 for w in passages)
-    assert {v["ended"] for v in flight["vehicles"].values()} == {"landed"}
-    assert {e["kind"] for e in flight["events"]} >= {"armed", "mode", "landed"}
-    for uav in flight["vehicles"]:
-        assert len(list(read_tlog(out / f"{uav}.tlog"))) > 500
+    assert "source: jacksboro" in (out / "scenario.yaml").read_text()
+    assert (out / "figures" / "routes.png").exists()
 
 
-def test_a_plan_that_cannot_be_flown_is_refused_before_anything_starts(plan, tmp_path, capsys):
-    """A mission too far from home, by the limit given."""
-    out = tmp_path / "flight"
-    arguments = ["fly", str(plan), "--vehicles", "sim:3", "--distance-max", "10", "-o", str(out)]
-    assert main(arguments) == 2
-    assert "m from home, at most 10 m" in capsys.readouterr().err
+def test_a_plan_for_another_fleet_than_the_scenarios_is_refused(plan, tiny, tmp_path, capsys):
+    """Both fleets are named."""
+    arguments = ["fly", str(plan), "--scenario", str(tiny), "-o", str(tmp_path / "run")]
+    assert main([*arguments, "--set", 'fleet.ids=["a","b","c","d"]']) == 2
+    assert "uav1, uav2, uav3, uav4" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--gates", "one"], "must be numbers of waypoints from 1 on"),
+        (["--gates", "1,0"], "must be numbers of waypoints from 1 on"),
+        (["--gates", "2@3"], "10 or more"),
+        (["--gates", "2", "--set", "trajectory.mode=straight"], "are not those that vehicles keep"),
+        (["--vehicles", "sim:3"], "the fleet has 4 UAVs"),
+        (["--vehicles", "udpin:127.0.0.1:14550"], "Give --arm, or look first with --until arm"),
+        (["--scenario", "none.yaml"], "none.yaml"),
+        (["--set", "fleet.cuont=3"], "Did you mean fleet.count"),
+    ],
+)
+def test_what_cannot_be_flown_is_refused_before_anything_is_done(
+    plan, tmp_path, capsys, options, words
+) -> None:
+    """Status 2, one sentence, no directory."""
+    out = tmp_path / "run"
+    assert main(["fly", str(plan), "-o", str(out), *options]) == 2
+    assert words in capsys.readouterr().err
     assert not out.exists()
 
 
-def test_a_missing_plan_is_said_to_be_missing(tmp_path, capsys):
+def test_a_missing_plan_is_said_to_be_missing(tmp_path, capsys) -> None:
     """Status 2, no traceback."""
-    assert main(["fly", str(tmp_path / "none.json"), "--vehicles", "sim:3"]) == 2
+    assert main(["fly", str(tmp_path / "none.json")]) == 2
     assert "none.json" in capsys.readouterr().err
-
-
-def test_gates_need_times_that_vehicles_can_keep(plan, capsys):
-    """Constant-speed times are too early: a late vehicle would wait a minute at its gate."""
-    assert main(["fly", str(plan), "--vehicles", "sim:3", "--gate", "1"]) == 2
-    assert "plan with the arducopter time model" in capsys.readouterr().err

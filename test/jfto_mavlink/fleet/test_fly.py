@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
+from functools import partial
 
 import numpy as np
 import pytest
 
 from jfto_mavlink.dialect import MODES, mavlink
 from jfto_mavlink.errors import CommandError, FlightError, TransferError
-from jfto_mavlink.fleet.fly import Fleet, FlySettings, deliver_to_fleet, fly_fleet
-from jfto_mavlink.fleet.monitor import watch_fleet
+from jfto_mavlink.fleet.fly import Fleet, FlySettings, deliver_to_fleet, start_fleet
+from jfto_mavlink.fleet.monitor import FlightMonitor
 from jfto_mavlink.flight.control import (
     StartLine,
     brake,
@@ -21,12 +22,14 @@ from jfto_mavlink.flight.control import (
     return_home,
     start,
 )
-from jfto_mavlink.flight.follow import follow
+from jfto_mavlink.flight.follow import FlightTiming
 from jfto_mavlink.flight.preflight import GateSettings, gate
+from jfto_mavlink.flight.telemetry import LinkState, listen
 from jfto_mavlink.mission.build import build_missions
 from jfto_mavlink.mission.deliver import deliver
 from jfto_mavlink.mission.settings import MissionSettings
 from jfto_mavlink.protocol.command import send_command, set_mode
+from jfto_mavlink.protocol.exchange import Wait
 from jfto_msgs_py.records.event import WARN
 from jfto_sim import LinkFaults, Vehicle, VehicleConfig
 from support.rehearsal import CLEAN, Rehearsal
@@ -54,7 +57,11 @@ class Field:
         self.events = []
         self.said = []
         self.runner = Rehearsal(vehicles, step_s=0.02, **extra)
-        watch_fleet(self.fleet, self.events.append)
+        self.timings = {}
+        self.monitor = FlightMonitor(self.missions)
+        for uav, mission in self.missions.items():
+            self.runner.start(uav, partial(listen, mission=mission, sink=self._take))
+            self.runner.start(uav, self._time)
         self.runner.advance(READY_S)
         self.release = deliver_to_fleet(
             self.runner, {u: m.mission for u, m in self.missions.items()}
@@ -67,21 +74,45 @@ class Field:
     def report(self, uav, step) -> None:
         self.said.append((self.runner.now_s, f"{uav} {step.text}"))
 
+    def _take(self, sample) -> None:
+        if isinstance(sample, LinkState):
+            self.events += self.monitor.take(sample)
+
+    def _time(self, context):
+        timing = self.timings[context.uav] = FlightTiming(context, self.missions[context.uav])
+        while True:
+            message = yield Wait(context.clock() + 1.0)
+            if message is not None:
+                timing.take(message)
+
+    def start(self, settings: FlySettings | None = None) -> None:
+        start_fleet(self.fleet, self.release, settings or FlySettings())
+
     def fly(self, settings: FlySettings | None = None):
-        return fly_fleet(self.fleet, self.release, settings or FlySettings())
+        """Start, wait until all are down; returns how each passed its waypoints."""
+        self.start(settings)
+        vehicles = [self.runner.station.vehicle(uav) for uav in self.missions]
+        assert self.runner.until(lambda: not any(each.armed for each in vehicles), 400.0)
+        return {uav: timing.passed for uav, timing in self.timings.items()}
 
-    def take_off(self, uav: str = "uav1"):
-        """One vehicle in the air on its mission; returns the activity that follows it."""
+    def missed(self, uav: str, within_m: float) -> list[int]:
+        """Ids of waypoints not reached, or passed farther away than allowed."""
+        near = {p.waypoint_id for p in self.timings[uav].passed if p.closest_m <= within_m}
+        return [number for number in self.missions[uav].waypoint_ids if number not in near]
+
+    def landed(self, uav: str) -> bool:
+        return any((e.kind, e.uav_id) == ("landed", uav) for e in self.events)
+
+    def take_off(self, uav: str = "uav1") -> None:
+        """One vehicle in the air on its mission."""
         line = StartLine({uav: self.runner.now_s + 5.0})
-
-        def journey(context):
-            lift_off_s = yield from start(context, line)
-            return (yield from follow(context, self.missions[uav], lift_off_s))
-
-        activity = self.runner.start(uav, journey, self.report)
+        self.runner.start(uav, lambda context: start(context, line), self.report)
         vehicle = self.runner.station.vehicle(uav)
         assert self.runner.until(lambda: vehicle.height_m > 5.0, 60.0)
-        return activity
+
+    def until_down(self, uav: str = "uav1", limit_s: float = 400.0) -> bool:
+        vehicle = self.runner.station.vehicle(uav)
+        return self.runner.until(lambda: not vehicle.armed, limit_s)
 
     def do(self, uav, job):
         """Result of one conversation; its error is raised."""
@@ -95,12 +126,11 @@ class Field:
 def test_a_fleet_flies_its_plan_to_the_end(plan, style):
     """Every waypoint within 2 m, then home, landed, disarmed."""
     field = Field(plan, MissionSettings(style=style))
-    records = field.fly()
-    for uav, record in records.items():
-        assert record.ended == "landed"
-        assert record.missed(2.0) == ()
-        assert [p.waypoint_id for p in record.passages] == list(field.missions[uav].waypoint_ids)
-        assert all(p.reached_s is not None for p in record.passages)
+    for uav, passages in field.fly().items():
+        assert field.landed(uav)
+        assert field.missed(uav, 2.0) == []
+        assert [p.waypoint_id for p in passages] == list(field.missions[uav].waypoint_ids)
+        assert all(p.reached_s is not None for p in passages)
         home = field.missions[uav].home_deg_m
         vehicle = field.runner.station.vehicle(uav)
         assert abs(vehicle.lat_deg - home[0]) < 2e-6
@@ -110,17 +140,10 @@ def test_a_fleet_flies_its_plan_to_the_end(plan, style):
 def test_a_fleet_flies_over_a_bad_link(plan):
     """30 % loss each way costs patience, not waypoints."""
     loss = LinkFaults(loss=0.3)
-    records = Field(plan, to_vehicle=loss, from_vehicle=loss, seed=2).fly()
-    assert all(record.ended == "landed" for record in records.values())
-    assert all(record.missed(2.5) == () for record in records.values())
-
-
-def test_a_staggered_start_keeps_its_distance_in_time(plan):
-    """The second vehicle starts when its turn comes."""
-    field = Field(plan)
-    field.fly(FlySettings(stagger_s=6.0))
-    started = [at_s for at_s, text in field.said if text.endswith("starts its mission")]
-    assert started[1] - started[0] == pytest.approx(6.0, abs=0.5)
+    field = Field(plan, to_vehicle=loss, from_vehicle=loss, seed=2)
+    for uav in field.fly():
+        assert field.landed(uav)
+        assert field.missed(uav, 2.5) == []
 
 
 def test_time_gates_hold_the_fleet_to_the_clock(plan):
@@ -128,7 +151,7 @@ def test_time_gates_hold_the_fleet_to_the_clock(plan):
     first = Field(plan)
     records = first.fly()
     routes = tuple(
-        dataclasses.replace(route, arrival_s=tuple(p.reached_s for p in records[uav.id].passages))
+        dataclasses.replace(route, arrival_s=tuple(p.reached_s for p in records[uav.id]))
         for uav, route in zip(plan.uavs, plan.routes, strict=True)
     )
     timed = dataclasses.replace(plan, routes=routes)
@@ -219,15 +242,15 @@ def test_a_vehicle_that_does_not_arm_holds_the_others_back(plan):
 def test_pause_and_resume_reach_the_end(plan):
     """Paused it stands, resumed it goes on with the same waypoint."""
     field = Field(plan)
-    activity = field.take_off()
+    field.take_off()
     vehicle = field.runner.station.vehicle("uav1")
     assert field.runner.until(lambda: (vehicle.mission_current or 0) > 6, 60.0)
     field.do("uav1", pause)
     field.runner.advance(6.0)
     assert sum(v * v for v in vehicle.velocity_ned_mps) < 0.3**2
     field.do("uav1", resume)
-    assert field.runner.until(lambda: activity.done, 300.0)
-    assert activity.result.missed(2.0) == ()
+    assert field.until_down()
+    assert field.missed("uav1", 2.0) == []
 
 
 def test_only_a_mission_can_be_paused(plan):
@@ -239,16 +262,17 @@ def test_only_a_mission_can_be_paused(plan):
 
 @pytest.mark.parametrize(("job", "mode"), [(return_home, "RTL"), (land, "LAND"), (brake, "BRAKE")])
 def test_aborts_are_seen_to_work(plan, job, mode):
-    """Each ends in the mode it asks for; the flight record keeps it."""
+    """Each ends in the mode it asks for, and that is told."""
     field = Field(plan)
-    activity = field.take_off()
+    field.take_off()
     field.do("uav1", job)
     assert field.runner.station.vehicle("uav1").mode == MODES[mode]
     if mode != "BRAKE":
-        assert field.runner.until(lambda: activity.done, 300.0)
-        assert activity.result.ended == "landed"
-        assert mode in activity.result.modes
-        assert activity.result.missed(2.0) != ()
+        assert field.until_down()
+        field.runner.advance(1.0)
+        assert field.landed("uav1")
+        assert f"mode {mode}" in [event.text for event in field.events]
+        assert field.missed("uav1", 2.0) != []
 
 
 def test_a_mission_is_not_written_over_in_auto(plan):
@@ -264,7 +288,7 @@ def test_a_mission_is_not_written_over_in_auto(plan):
 def test_a_changed_mission_in_flight_holds_first_and_starts_at_its_first_item(plan):
     """BRAKE, upload, read back, current item set, AUTO again."""
     field = Field(plan)
-    activity = field.take_off()
+    field.take_off()
     vehicle = field.runner.station.vehicle("uav1")
     assert field.runner.until(lambda: (vehicle.mission_current or 0) > 8, 60.0)
     new = build_missions(plan, MissionSettings(style="hold"))[0]
@@ -275,7 +299,7 @@ def test_a_changed_mission_in_flight_holds_first_and_starts_at_its_first_item(pl
     assert modes[-2:] == ["mode BRAKE", "mode AUTO"]
     field.runner.advance(1.0)
     assert vehicle.mission_current < 8
-    assert field.runner.until(lambda: activity.done, 400.0)
+    assert field.until_down()
 
 
 def test_a_refused_change_in_flight_puts_the_old_mission_back(plan):
@@ -297,14 +321,16 @@ def test_a_refused_change_in_flight_puts_the_old_mission_back(plan):
 def test_a_link_lost_in_flight_is_told_and_the_flight_goes_on(plan):
     """The vehicle flies its mission without us; waypoints passed unseen count as reached."""
     field = Field(plan, MissionSettings(style="hold"))
-    activity = field.take_off()
+    field.take_off()
     field.runner.air.set_faults(1, LinkFaults(cut=True), LinkFaults(cut=True))
     field.runner.advance(20.0)
     assert any(event.text.startswith("uav1 is lost") for event in field.events)
     field.runner.air.set_faults(1, CLEAN, CLEAN)
-    assert field.runner.until(lambda: activity.done, 300.0)
-    assert activity.result.ended == "landed"
-    assert all(p.reached_s is not None for p in activity.result.passages)
+    assert field.until_down()
+    field.runner.advance(1.0)
+    assert field.landed("uav1")
+    passed = field.timings["uav1"].passed
+    assert [p.waypoint_id for p in passed] == list(field.missions["uav1"].waypoint_ids)
 
 
 def test_a_low_battery_is_told(plan):

@@ -36,10 +36,11 @@ def plan_drawings(plan: Plan, comparison: Comparison, dem: Dem | None, slot: int
     return drawings
 
 
-def flight_drawings(facts: FlightFacts, dem: Dem) -> Drawings:
-    """What is drawn of a flight, by file stem."""
+def flight_drawings(facts: FlightFacts, dem: Dem | None) -> Drawings:
+    """What is drawn of a flight, by file stem; the map needs the terrain."""
+    maps: Drawings = {} if dem is None else {"flown_map": lambda: flown_map(facts, dem)}
     return {
-        "flown_map": lambda: flown_map(facts, dem),
+        **maps,
         "flown_timing": lambda: flown_timing(facts),
         "flown_certificate": lambda: flown_certificate(facts),
         "flown_network": lambda: flown_network(facts),
