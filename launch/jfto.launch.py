@@ -72,8 +72,8 @@ def _start(context):
 
 def _options(given):
     """What is run, with the scenario written out beside what it keeps."""
-    from jfto.pipeline.directory import PLAN_NAME, SCENARIO_NAME, write_scenario
-    from jfto.planning.scenario_file import load_scenario
+    from jfto.pipeline.directory import PLAN_NAME, write_scenario
+    from jfto.planning.scenario_file import SCENARIO_NAME, load_scenario
     from jfto.supervision.graph_table import (
         HORIZON_SLOTS,
         START_DELAY_S,
