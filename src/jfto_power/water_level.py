@@ -10,11 +10,13 @@ increasing in u, so a second, bracketed Newton finds the level that spends the b
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
+from dataclasses import dataclass
 
-from jfto_msgs_py.types import Array
-from jfto_world.compiled import allocating_kernel as kernel
+import numpy as np
+
+from jfto_msgs_py.types import Array, Flags, Ints
+from jfto_world.compiled import inner, kernel
+from jfto_world.kernel_struct import KernelStruct
 
 OUTER_STEPS = 200
 INNER_STEPS = 60
@@ -22,9 +24,8 @@ INNER_STEPS = 60
 CLOSE = 1e-14
 
 
-@kernel
 def fill_rows(
-    linked: NDArray[np.bool_],
+    linked: Flags,
     gain: Array,
     noise_w: float,
     low_w: Array,
@@ -37,80 +38,93 @@ def fill_rows(
     slots 1..N. Slot 0 is free and follows the same level. The level is inf where the budget does
     not bind. The caller has checked low ≤ high and Σ low ≤ budget. A slot without links gets low.
     """
-    slots, rows, others = linked.shape
-    power = low_w.copy()
+    slots, rows, _ = linked.shape
+    heard = (linked & (gain > 0.0)).transpose(1, 0, 2)
+    fleet = Fleet(
+        terms=noise_w / gain.transpose(1, 0, 2)[heard],
+        start=np.concatenate([[0], np.cumsum(heard.sum(axis=2))]),
+        low=np.array(low_w.T, dtype=np.float64, order="C"),
+        high=np.array(high_w.T, dtype=np.float64, order="C"),
+        power=np.empty((rows, slots)),
+        at_low=np.empty(slots),
+        at_high=np.empty(slots),
+        mean=np.empty(slots),
+        other=np.empty(slots),
+    )
     level = np.empty(rows)
-    for row in range(rows):
-        start = np.zeros(slots + 1, dtype=np.int64)
-        s_w = np.empty(slots * others)
-        for m in range(slots):
-            stop = start[m]
-            for b in range(others):
-                if linked[m, row, b] and gain[m, row, b] > 0.0:
-                    s_w[stop] = noise_w / gain[m, row, b]
-                    stop += 1
-            start[m + 1] = stop
-        level[row] = _fill(
-            s_w,
-            start,
-            np.ascontiguousarray(low_w[:, row]),
-            np.ascontiguousarray(high_w[:, row]),
-            budget_w[row],
-            power[:, row],
-        )
-    return power, level
+    _fill_all(fleet, np.array(budget_w, dtype=np.float64), level)
+    return fleet.power.T.copy(), level
+
+
+@dataclass(frozen=True, eq=False)
+class Fleet(KernelStruct):
+    """R UAVs over M slots, and room for one of them.
+
+    `terms` holds the s of all links, UAV by UAV and slot by slot; those of UAV r's slot m begin at
+    `start[r M + m]`. `low` and `high` bound the powers, `power` receives them, all (R, M). `at_low`
+    and `at_high` (M,) are the levels at which the UAV that is worked on meets its bounds, `mean`
+    the mean s of each slot, `other` a second row of powers.
+    """
+
+    terms: Array
+    start: Ints
+    low: Array
+    high: Array
+    power: Array
+    at_low: Array
+    at_high: Array
+    mean: Array
+    other: Array
 
 
 @kernel
-def _fill(
-    s_w: Array, start: NDArray, low: Array, high: Array, budget: float, power: Array
-) -> float:
+def _fill_all(fleet: Fleet, budget: Array, level: Array) -> None:
+    for r in range(level.shape[0]):
+        level[r] = _fill(fleet, r, budget[r])
+
+
+@inner
+def _fill(fleet: Fleet, r: int, budget: float) -> float:
     """Write the best powers of one UAV and return its water level."""
-    slots = low.shape[0]
-    at_low, at_high, mean = np.empty(slots), np.empty(slots), np.empty(slots)
     left, right, most = np.inf, 0.0, 0.0
+    slots = fleet.mean.shape[0]
     for m in range(slots):
-        terms = s_w[start[m] : start[m + 1]]
-        if terms.size == 0:
+        begin, end = fleet.start[r * slots + m], fleet.start[r * slots + m + 1]
+        if begin == end:
             # No rate to gain: the level never lifts the power off its floor.
-            at_low[m], at_high[m], mean[m] = np.inf, np.inf, 0.0
+            fleet.at_low[m], fleet.at_high[m], fleet.mean[m] = np.inf, np.inf, 0.0
         else:
-            at_low[m], at_high[m] = _level_at(terms, low[m]), _level_at(terms, high[m])
-            mean[m] = terms.mean()
+            fleet.at_low[m] = _level_at(fleet.terms, begin, end, fleet.low[r, m])
+            fleet.at_high[m] = _level_at(fleet.terms, begin, end, fleet.high[r, m])
+            total = 0.0
+            for k in range(begin, end):
+                total += fleet.terms[k]
+            fleet.mean[m] = total / (end - begin)
         if m > 0:
-            most += low[m] if terms.size == 0 else high[m]
-            if terms.size > 0:
-                left, right = min(left, at_low[m]), max(right, at_high[m])
+            most += fleet.low[r, m] if begin == end else fleet.high[r, m]
+            if begin < end:
+                left, right = min(left, fleet.at_low[m]), max(right, fleet.at_high[m])
     if most <= budget:
-        _pour(s_w, start, low, high, at_low, at_high, mean, np.inf, power)
+        _pour(fleet, r, np.inf, fleet.power[r])
         return np.inf
-    return _search(s_w, start, low, high, at_low, at_high, mean, budget, left, right, power)
+    return _search(fleet, r, budget, left, right)
 
 
-@kernel
-def _search(
-    s_w: Array,
-    start: NDArray,
-    low: Array,
-    high: Array,
-    at_low: Array,
-    at_high: Array,
-    mean: Array,
-    budget: float,
-    left: float,
-    right: float,
-    power: Array,
-) -> float:
+@inner
+def _search(fleet: Fleet, r: int, budget: float, left: float, right: float) -> float:
     """Level between `left` and `right` that spends the budget; leaves the powers in `power`."""
-    total, _ = _pour(s_w, start, low, high, at_low, at_high, mean, left, power)
+    total, _ = _pour(fleet, r, left, fleet.power[r])
     if budget - total <= CLOSE * budget:
         return left
     # Exact where every slot is linked, off its bounds and has equal gains: a good first guess.
-    level = (budget + mean[1:].sum()) / (start[-1] - start[1])
+    slots, spread = fleet.mean.shape[0], 0.0
+    for m in range(1, slots):
+        spread += fleet.mean[m]
+    level = (budget + spread) / (fleet.start[(r + 1) * slots] - fleet.start[r * slots + 1])
     if not left < level < right:
         level = left + 0.5 * (right - left)
     for step in range(OUTER_STEPS):
-        total, slope = _pour(s_w, start, low, high, at_low, at_high, mean, level, power)
+        total, slope = _pour(fleet, r, level, fleet.power[r])
         missing = budget - total
         if 0.0 <= missing <= CLOSE * budget:
             return level
@@ -130,55 +144,48 @@ def _search(
         level = following
     # The bracket has closed to neighbouring numbers and the sum jumps across the budget between
     # them (noise far above signal): every mixture of both ends is optimal; take the one that fits.
-    total, _ = _pour(s_w, start, low, high, at_low, at_high, mean, left, power)
-    ahead = power.copy()
-    most, _ = _pour(s_w, start, low, high, at_low, at_high, mean, right, ahead)
+    total, _ = _pour(fleet, r, left, fleet.power[r])
+    most, _ = _pour(fleet, r, right, fleet.other)
     if most > total:
         share = min(max((budget - total) / (most - total), 0.0), 1.0)
-        for m in range(power.shape[0]):
-            power[m] += share * (ahead[m] - power[m])
+        for m in range(slots):
+            fleet.power[r, m] += share * (fleet.other[m] - fleet.power[r, m])
     return left
 
 
-@kernel
-def _pour(
-    s_w: Array,
-    start: NDArray,
-    low: Array,
-    high: Array,
-    at_low: Array,
-    at_high: Array,
-    mean: Array,
-    level: float,
-    power: Array,
-) -> tuple[float, float]:
+@inner
+def _pour(fleet: Fleet, r: int, level: float, power: Array) -> tuple[float, float]:
     """Set all powers for a level; return their sum over slots 1.. and its slope in the level."""
     total, slope = 0.0, 0.0
-    for m in range(power.shape[0]):
+    slots = power.shape[0]
+    for m in range(slots):
         rate = 0.0
-        if start[m] == start[m + 1] or level <= at_low[m]:
-            power[m] = low[m]
-        elif level >= at_high[m]:
-            power[m] = high[m]
+        begin, end = fleet.start[r * slots + m], fleet.start[r * slots + m + 1]
+        if begin == end or level <= fleet.at_low[m]:
+            power[m] = fleet.low[r, m]
+        elif level >= fleet.at_high[m]:
+            power[m] = fleet.high[r, m]
         else:
-            terms = s_w[start[m] : start[m + 1]]
-            power[m], rate = _climb(terms, mean[m], level, low[m], high[m])
+            power[m], rate = _climb(fleet, r, m, level)
         if m > 0:
             total += power[m]
             slope += rate
     return total, slope
 
 
-@kernel
-def _climb(terms: Array, mean: float, level: float, low: float, high: float) -> tuple[float, float]:
-    """Power p with G(p) = level, and dp/dlevel."""
+@inner
+def _climb(fleet: Fleet, r: int, m: int, level: float) -> tuple[float, float]:
+    """Power p of slot m with G(p) = level, and dp/dlevel."""
+    low, high = fleet.low[r, m], fleet.high[r, m]
+    slot = r * fleet.mean.shape[0] + m
+    begin, end = fleet.start[slot], fleet.start[slot + 1]
     # A harmonic mean is at most the arithmetic one, so this start lies left of the root.
-    p = min(max(low, terms.size * level - mean), high)
+    p = min(max(low, (end - begin) * level - fleet.mean[m]), high)
     rate = 0.0
     for _ in range(INNER_STEPS):
         first, second = 0.0, 0.0
-        for s in terms:
-            inverse = 1.0 / (p + s)
+        for k in range(begin, end):
+            inverse = 1.0 / (p + fleet.terms[k])
             first += inverse
             second += inverse * inverse
         rate = first * first / second
@@ -193,10 +200,10 @@ def _climb(terms: Array, mean: float, level: float, low: float, high: float) -> 
     return p, rate
 
 
-@kernel
-def _level_at(terms: Array, p: float) -> float:
-    """G(p), the level at which a slot takes the power p."""
+@inner
+def _level_at(terms: Array, begin: int, end: int, p: float) -> float:
+    """G(p), the level at which a slot takes the power p; its s are terms[begin:end]."""
     first = 0.0
-    for s in terms:
-        first += 1.0 / (p + s)
+    for k in range(begin, end):
+        first += 1.0 / (p + terms[k])
     return 1.0 / first

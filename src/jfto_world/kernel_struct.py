@@ -8,7 +8,9 @@ arguments than for what it does. A `KernelStruct` is handed on by its address.
 from __future__ import annotations
 
 import hashlib
+import struct
 from dataclasses import fields
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -25,8 +27,6 @@ from numba.extending import (
     unbox,
 )
 
-from jfto_msgs_py.types import Ints
-
 _WORD = ir.IntType(64)
 # numba's description of an array: owner twice, item count and size, address, shape, strides.
 _OWNER = [0, 0]
@@ -40,23 +40,24 @@ class KernelStruct:
     """
 
     def __post_init__(self) -> None:
-        values = [getattr(self, field.name) for field in fields(self)]  # type: ignore[arg-type]
-        words = np.concatenate([_words(value) for value in values])
-        object.__setattr__(self, "_words", words)
-        object.__setattr__(self, "_address", words.ctypes.data)
+        words: list[int] = []
+        for field in fields(self):  # type: ignore[arg-type]
+            words += _words(getattr(self, field.name))
+        memory = np.array(words, dtype=np.int64)
+        object.__setattr__(self, "_memory", memory)
+        object.__setattr__(self, "_address", memory.ctypes.data)
 
 
-def _words(value: Any) -> Ints:
+def _words(value: Any) -> list[int]:
     """A value as the 8-byte words of its memory in compiled code."""
     if isinstance(value, np.ndarray):
-        size = [value.size, value.itemsize]
-        place = [value.ctypes.data, *value.shape, *value.strides]
-        return np.array([*_OWNER, *size, *place], dtype=np.int64)
+        address = value.__array_interface__["data"][0]
+        return [*_OWNER, value.size, value.itemsize, address, *value.shape, *value.strides]
     if isinstance(value, KernelStruct):
-        return np.array([value._address], dtype=np.int64)  # type: ignore[attr-defined]
+        return [value._address]  # type: ignore[attr-defined]
     if isinstance(value, float):
-        return np.array([value], dtype=np.float64).view(np.int64)
-    return np.array([value], dtype=np.int64)
+        return [*struct.unpack("q", struct.pack("d", value))]
+    return [int(value)]
 
 
 class StructType(types.Type):
@@ -85,9 +86,15 @@ class _Model(models.OpaqueModel):
 
 @typeof_impl.register(KernelStruct)
 def _typeof(value: KernelStruct, _context: Any) -> StructType:
-    names = [field.name for field in fields(value)]  # type: ignore[arg-type]
-    members = tuple((name, typeof(getattr(value, name))) for name in names)
-    return StructType(type(value).__name__, members)
+    names = tuple(field.name for field in fields(value))  # type: ignore[arg-type]
+    return _struct_type(
+        type(value).__name__, names, tuple(typeof(getattr(value, n)) for n in names)
+    )
+
+
+@cache
+def _struct_type(name: str, names: tuple[str, ...], kinds: tuple[types.Type, ...]) -> StructType:
+    return StructType(name, tuple(zip(names, kinds, strict=True)))
 
 
 @unbox(StructType)

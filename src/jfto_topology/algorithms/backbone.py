@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from jfto_msgs_py.types import Flags
-from jfto_world.compiled import allocating_kernel as kernel
+from jfto_msgs_py.types import Flags, Ints
+from jfto_world.compiled import inner, kernel
 
 
-@kernel
 def backbones(links: Flags) -> Flags:
     """A connected dominating set of each component of every slot, (M, A).
 
@@ -18,30 +16,40 @@ def backbones(links: Flags) -> Flags:
     Afterwards members that the others can do without are dropped, lowest degree first. A lone UAV
     is its own backbone.
     """
-    member = np.zeros(links.shape[:2], dtype=np.bool_)
-    for m in range(links.shape[0]):
-        _grow_and_prune(links[m], member[m])
+    slots, uavs, _ = links.shape
+    member = np.zeros((slots, uavs), dtype=np.bool_)
+    degree = links.sum(axis=2)
+    order = np.argsort(degree, axis=1, kind="stable")
+    marks, stack = np.empty(uavs, dtype=np.bool_), np.empty(uavs, dtype=np.int64)
+    _grow_and_prune(links, degree, order, member, marks, stack)
     return member
 
 
 @kernel
-def _grow_and_prune(links: Flags, member: Flags) -> None:
-    uavs = links.shape[0]
-    degree = np.zeros(uavs, dtype=np.int64)
-    for a in range(uavs):
-        degree[a] = links[a].sum()
-    covered = np.zeros(uavs, dtype=np.bool_)
-    while not covered.all():
-        a = _next_member(links, degree, member, covered)
-        member[a] = covered[a] = True
-        covered |= links[a]
-    for a in np.argsort(degree, kind="mergesort"):
-        if member[a] and _dispensable(links, member, a):
-            member[a] = False
+def _grow_and_prune(
+    links: Flags, degree: Ints, order: Ints, member: Flags, marks: Flags, stack: Ints
+) -> None:
+    """Fill `member`; `order` (M, A) is of rising degree, `marks` and `stack` (A,) room to work."""
+    slots, uavs, _ = links.shape
+    for m in range(slots):
+        for a in range(uavs):
+            marks[a] = False
+        left = uavs
+        while left > 0:
+            a = _next_member(links[m], degree[m], member[m], marks)
+            member[m, a] = True
+            for b in range(uavs):
+                if not marks[b] and (b == a or links[m, a, b]):
+                    marks[b] = True
+                    left -= 1
+        for rank in range(uavs):
+            a = order[m, rank]
+            if member[m, a] and _dispensable(links[m], member[m], a, marks, stack):
+                member[m, a] = False
 
 
-@kernel
-def _next_member(links: Flags, degree: NDArray, member: Flags, covered: Flags) -> int:
+@inner
+def _next_member(links: Flags, degree: Ints, member: Flags, covered: Flags) -> int:
     """Covered UAV that covers most others; where none helps, the best start of a new component."""
     uavs = links.shape[0]
     best, most = -1, 0
@@ -62,8 +70,8 @@ def _next_member(links: Flags, degree: NDArray, member: Flags, covered: Flags) -
     return best
 
 
-@kernel
-def _dispensable(links: Flags, member: Flags, a: int) -> bool:
+@inner
+def _dispensable(links: Flags, member: Flags, a: int, seen: Flags, stack: Ints) -> bool:
     """Whether the other members still cover a and its neighbours, and hang together around it."""
     uavs = links.shape[0]
     for b in range(uavs):
@@ -75,10 +83,9 @@ def _dispensable(links: Flags, member: Flags, a: int) -> bool:
                 return False
     member[a] = False
     whole = True
-    seen = np.zeros(uavs, dtype=np.bool_)
     for b in range(uavs):
         if member[b] and links[a, b]:
-            seen = _members_joined(links, member, b)
+            _mark_joined(links, member, b, seen, stack)
             break
     for b in range(uavs):
         if member[b] and links[a, b] and not seen[b]:
@@ -87,13 +94,12 @@ def _dispensable(links: Flags, member: Flags, a: int) -> bool:
     return whole
 
 
-@kernel
-def _members_joined(links: Flags, member: Flags, origin: int) -> Flags:
-    """Members that `origin` reaches over members only, (A,)."""
+@inner
+def _mark_joined(links: Flags, member: Flags, origin: int, seen: Flags, stack: Ints) -> None:
+    """Set `seen` (A,) to the members that `origin` reaches over members only."""
     uavs = links.shape[0]
-    seen = np.zeros(uavs, dtype=np.bool_)
-    stack = np.empty(uavs, dtype=np.int64)
-    seen[origin] = True
+    for b in range(uavs):
+        seen[b] = b == origin
     stack[0] = origin
     depth = 1
     while depth > 0:
@@ -104,4 +110,3 @@ def _members_joined(links: Flags, member: Flags, origin: int) -> Flags:
                 seen[b] = True
                 stack[depth] = b
                 depth += 1
-    return seen

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jfto_msgs_py.types import Array, Flags
+from jfto_msgs_py.types import Array, Flags, Ints
 from jfto_topology.algorithms.backbone import backbones
 from jfto_topology.algorithms.powered import PoweredTopology, played_out
 from jfto_topology.algorithms.required_power import required_powers
-from jfto_world.compiled import allocating_kernel as kernel
+from jfto_world.compiled import inner, kernel
 from jfto_world.radio import Channel
 
 
@@ -34,7 +34,6 @@ def cpapo(
     return played_out(required_w, wanted_w, links, energy_j, slot_duration_s)
 
 
-@kernel
 def pruned_links(required_w: Array, backbone: Flags) -> Flags:
     """Links (M, A, A) left when no UAV can lower its power by one more neighbour.
 
@@ -43,24 +42,37 @@ def pruned_links(required_w: Array, backbone: Flags) -> Flags:
     does, if the backbone stays connected and every other UAV keeps a link to it; cycles end when
     one changes nothing.
     """
-    slots, uavs, _ = required_w.shape
-    kept = np.zeros((slots, uavs, uavs), dtype=np.bool_)
-    for m in range(slots):
-        links = kept[m]
-        for a in range(uavs):
-            for b in range(uavs):
-                links[a, b] = required_w[m, a, b] < np.inf
-        # Links only ever go: a UAV that must keep its farthest neighbour must keep it for good.
-        done = np.zeros(uavs, dtype=np.bool_)
-        while not done.all():
-            for a in range(uavs):
-                if not done[a]:
-                    done[a] = not _step_down(required_w[m], links, backbone[m], a)
+    kept = required_w < np.inf
+    uavs = kept.shape[1]
+    done, seen = np.empty((2, uavs), dtype=np.bool_)
+    _prune(required_w, kept, backbone, done, seen, np.empty(uavs, dtype=np.int64))
     return kept
 
 
 @kernel
-def _step_down(required: Array, links: Flags, member: Flags, a: int) -> bool:
+def _prune(
+    required_w: Array, kept: Flags, backbone: Flags, done: Flags, seen: Flags, stack: Ints
+) -> None:
+    """Take links out of `kept`; the last three arguments (A,) are room to work in."""
+    slots, uavs, _ = kept.shape
+    for m in range(slots):
+        # Links only ever go: a UAV that must keep its farthest neighbour must keep it for good.
+        for a in range(uavs):
+            done[a] = False
+        left = uavs
+        while left > 0:
+            for a in range(uavs):
+                if not done[a] and not _step_down(
+                    required_w[m], kept[m], backbone[m], a, seen, stack
+                ):
+                    done[a] = True
+                    left -= 1
+
+
+@inner
+def _step_down(
+    required: Array, links: Flags, member: Flags, a: int, seen: Flags, stack: Ints
+) -> bool:
     """Drop a's farthest neighbour, the higher index of equals; False if it has to stay."""
     far = -1
     for b in range(links.shape[0]):
@@ -70,7 +82,7 @@ def _step_down(required: Array, links: Flags, member: Flags, a: int) -> bool:
         return False
     links[a, far] = links[far, a] = False
     if member[a] and member[far]:
-        fine = _joined(links, member, a, far)
+        fine = _joined(links, member, a, far, seen, stack)
     else:
         fine = _served(links, member, a) and _served(links, member, far)
     if not fine:
@@ -78,21 +90,21 @@ def _step_down(required: Array, links: Flags, member: Flags, a: int) -> bool:
     return fine
 
 
-@kernel
+@inner
 def _served(links: Flags, member: Flags, a: int) -> bool:
     """Whether a belongs to the backbone or has a link to it."""
-    if member[a]:
-        return True
-    return bool((links[a] & member).any())
+    served = member[a]
+    for b in range(links.shape[0]):
+        served |= links[a, b] and member[b]
+    return served
 
 
-@kernel
-def _joined(links: Flags, member: Flags, a: int, b: int) -> bool:
+@inner
+def _joined(links: Flags, member: Flags, a: int, b: int, seen: Flags, stack: Ints) -> bool:
     """Whether a backbone member reaches another over members only."""
     uavs = links.shape[0]
-    seen = np.zeros(uavs, dtype=np.bool_)
-    stack = np.empty(uavs, dtype=np.int64)
-    seen[a] = True
+    for c in range(uavs):
+        seen[c] = c == a
     stack[0] = a
     depth = 1
     while depth > 0:

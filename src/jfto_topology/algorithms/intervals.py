@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.types import Array, Flags
 from jfto_topology.algorithms.required_power import checked_caps, required_powers
-from jfto_world.compiled import allocating_kernel as kernel
 from jfto_world.radio import Channel
 
 # Powers closer than this, relatively, belong to one ring: an interval between them would be too
@@ -15,39 +13,23 @@ from jfto_world.radio import Channel
 RING_WIDTH = 1e-9
 
 
-@kernel
 def ring_powers(required_w: Array) -> Array:
     """Power that takes in b together with all that a cannot tell apart from b by power.
 
     `required_w` is (M, A, A); so is the result: the greatest entry of the run of entries of a's
     row around b whose neighbours lie within RING_WIDTH of each other. Not symmetric.
     """
-    slots, uavs, _ = required_w.shape
-    ring_w = required_w.copy()
-    order = np.empty(uavs, dtype=np.int64)
-    for m in range(slots):
-        for a in range(uavs):
-            row = required_w[m, a]
-            _sort(row, order)
-            for rank in range(uavs - 2, -1, -1):
-                here, beyond = order[rank], order[rank + 1]
-                if row[beyond] <= row[here] * (1.0 + RING_WIDTH):
-                    ring_w[m, a, here] = ring_w[m, a, beyond]
+    order = np.argsort(required_w, axis=-1, kind="stable")
+    rising = np.take_along_axis(required_w, order, axis=-1)
+    joined = rising[..., 1:] <= rising[..., :-1] * (1.0 + RING_WIDTH)
+    for rank in range(required_w.shape[-1] - 2, -1, -1):
+        here, beyond = rising[..., rank], rising[..., rank + 1]
+        rising[..., rank] = np.where(joined[..., rank], beyond, here)
+    ring_w = np.empty_like(required_w)
+    np.put_along_axis(ring_w, order, rising, axis=-1)
     return ring_w
 
 
-@kernel
-def _sort(row: Array, order: NDArray) -> None:
-    """Put the indices of a row into `order` by rising value; insertion suits rows this short."""
-    for index in range(row.shape[0]):
-        place = index
-        while place > 0 and row[order[place - 1]] > row[index]:
-            order[place] = order[place - 1]
-            place -= 1
-        order[place] = index
-
-
-@kernel
 def power_intervals(
     required_w: Array, ring_w: Array, active: Flags, p_max_w: Array
 ) -> tuple[Array, Array, Array, Flags]:
@@ -58,27 +40,13 @@ def power_intervals(
     or P_a,max, inclusive, where there is none (eq. Pmax1). The third result is always inclusive.
     Every choice of powers inside the intervals makes the same mutual reach (M, A, A).
     """
-    slots, uavs, _ = required_w.shape
-    low = np.zeros((slots, uavs))
-    bound = np.empty((slots, uavs))
-    upper = np.empty((slots, uavs))
-    reach = np.zeros((slots, uavs, uavs), dtype=np.bool_)
-    for m in range(slots):
-        for a in range(uavs):
-            for b in range(uavs):
-                if active[m, a, b] and ring_w[m, a, b] > low[m, a]:
-                    low[m, a] = ring_w[m, a, b]
-            following = np.inf
-            for b in range(uavs):
-                if low[m, a] < required_w[m, a, b] < following:
-                    following = required_w[m, a, b]
-            bound[m, a] = min(following, p_max_w[a])
-            # Rings are RING_WIDTH apart, so half of it stays clear of both sides.
-            below = following * (1.0 - RING_WIDTH / 2)
-            upper[m, a] = min(below, p_max_w[a])
-        for a in range(uavs):
-            for b in range(uavs):
-                reach[m, a, b] = required_w[m, a, b] <= min(low[m, a], low[m, b])
+    low = np.where(active, ring_w, 0.0).max(axis=2, initial=0.0)
+    beyond = np.where(required_w > low[..., None], required_w, np.inf)
+    following = beyond.min(axis=2, initial=np.inf)
+    bound = np.minimum(following, p_max_w)
+    # Rings are RING_WIDTH apart, so half of it stays clear of both sides.
+    upper = np.minimum(following * (1.0 - RING_WIDTH / 2), p_max_w)
+    reach = required_w <= np.minimum(low[:, :, None], low[:, None, :])
     return low, bound, upper, reach
 
 

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.types import Array, Flags
+from jfto_msgs_py.types import Array, Flags, Ints
 from jfto_topology.algorithms.powered import PoweredTopology, played_out
 from jfto_topology.algorithms.required_power import checked_caps, required_powers
-from jfto_world.compiled import allocating_kernel as kernel
+from jfto_world.compiled import inner, kernel
 from jfto_world.radio import Channel, pairwise_distances
 
 
@@ -43,7 +43,6 @@ def a_lmst(
     return played_out(required_w, wanted_w, kept, energy_j, slot_duration_s)
 
 
-@kernel
 def lmst_links(required_w: Array) -> Flags:
     """Links of LMST with G+, (M, A, A): kept by at least one end.
 
@@ -54,8 +53,14 @@ def lmst_links(required_w: Array) -> Flags:
     """
     slots, uavs, _ = required_w.shape
     kept = np.zeros((slots, uavs, uavs), dtype=np.bool_)
-    parent = np.empty(uavs, dtype=np.int64)
-    waiting = np.empty(uavs, dtype=np.bool_)
+    _keep_trees(required_w, kept, np.empty(uavs, dtype=np.int64), np.empty(uavs, dtype=np.bool_))
+    return kept
+
+
+@kernel
+def _keep_trees(required_w: Array, kept: Flags, parent: Ints, waiting: Flags) -> None:
+    """Mark the links of all trees in `kept`; `parent` and `waiting` (A,) are room to work in."""
+    slots, uavs, _ = kept.shape
     for m in range(slots):
         required = required_w[m]
         for u in range(uavs):
@@ -77,10 +82,9 @@ def lmst_links(required_w: Array) -> Flags:
                 for v in range(uavs):
                     if waiting[v] and _before(required, nearest, v, parent[v], v):
                         parent[v] = nearest
-    return kept
 
 
-@kernel
+@inner
 def _before(required: Array, a: int, b: int, c: int, d: int) -> bool:
     """Whether link ab comes before link cd in the one order that all UAVs agree on."""
     if required[a, b] != required[c, d]:

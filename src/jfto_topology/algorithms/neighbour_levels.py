@@ -7,13 +7,11 @@ rank, so a level stands for the whole list.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from jfto_msgs_py.types import Array, Flags
-from jfto_world.compiled import allocating_kernel as kernel
+from jfto_msgs_py.types import Array, Flags, Ints
+from jfto_world.compiled import inner, kernel
 
 
-@kernel
 def neighbour_levels(required_w: Array, ring_w: Array, k_min: int) -> tuple[Array, Flags, Flags]:
     """Least level of each UAV so that lists are mutual, K_min long and join the fleet.
 
@@ -24,17 +22,27 @@ def neighbour_levels(required_w: Array, ring_w: Array, k_min: int) -> tuple[Arra
     level_w = np.zeros((slots, uavs))
     deficit = np.zeros((slots, uavs), dtype=np.bool_)
     connected = np.zeros(slots, dtype=np.bool_)
-    label = np.empty(uavs, dtype=np.int64)
-    queue = np.empty(uavs, dtype=np.int64)
+    label, queue = np.empty((2, uavs), dtype=np.int64)
     queued = np.empty(uavs, dtype=np.bool_)
+    _fill(required_w, ring_w, k_min, level_w, deficit, connected, label, queue, queued)
+    return level_w, deficit, connected
+
+
+@kernel
+def _fill(
+    required_w: Array, ring_w: Array, k_min: int, level_w: Array, deficit: Flags, connected: Flags,
+    label: Ints, queue: Ints, queued: Flags,
+) -> None:  # fmt: skip
+    """Fill the three results; `label`, `queue` and `queued` (A,) are room to work in."""
+    slots, uavs, _ = required_w.shape
     for m in range(slots):
         required, ring, level = required_w[m], ring_w[m], level_w[m]
         _list_nearest(ring, k_min, level, deficit[m])
-        queued[:] = True
         for a in range(uavs):
-            queue[a] = a
+            queue[a], queued[a] = a, True
         _repair(ring, level, queue, queued, uavs)
-        while _components(ring, level, label, queue) > 1:
+        count = _components(ring, level, label, queue)
+        while count > 1:
             a, b = _shortest_missing_link(required, label)
             if a < 0:
                 break
@@ -43,11 +51,11 @@ def neighbour_levels(required_w: Array, ring_w: Array, k_min: int) -> tuple[Arra
             queued[a] = queued[b] = True
             queue[0], queue[1] = a, b
             _repair(ring, level, queue, queued, 2)
-        connected[m] = label.max() == 0
-    return level_w, deficit, connected
+            count = _components(ring, level, label, queue)
+        connected[m] = count == 1
 
 
-@kernel
+@inner
 def _list_nearest(ring: Array, k_min: int, level: Array, deficit: Flags) -> None:
     """Set each level to cover the K_min nearest candidates (eq. Pmin1)."""
     uavs = level.shape[0]
@@ -68,8 +76,8 @@ def _list_nearest(ring: Array, k_min: int, level: Array, deficit: Flags) -> None
         deficit[a] = listed < k_min
 
 
-@kernel
-def _repair(ring: Array, level: Array, queue: NDArray, queued: Flags, waiting: int) -> None:
+@inner
+def _repair(ring: Array, level: Array, queue: Ints, queued: Flags, waiting: int) -> None:
     """Raise whoever is listed without listing back, until every list is mutual.
 
     Raising b's level to cover a, its (K_min + κ)-th neighbour, lists all nearer ones too; the next
@@ -89,11 +97,12 @@ def _repair(ring: Array, level: Array, queue: NDArray, queued: Flags, waiting: i
                     waiting += 1
 
 
-@kernel
-def _components(ring: Array, level: Array, label: NDArray, stack: NDArray) -> int:
+@inner
+def _components(ring: Array, level: Array, label: Ints, stack: Ints) -> int:
     """Label the components of the listed graph from 0 and return their number."""
     uavs = level.shape[0]
-    label[:] = -1
+    for a in range(uavs):
+        label[a] = -1
     count = 0
     for seed in range(uavs):
         if label[seed] >= 0:
@@ -113,8 +122,8 @@ def _components(ring: Array, level: Array, label: NDArray, stack: NDArray) -> in
     return count
 
 
-@kernel
-def _shortest_missing_link(required: Array, label: NDArray) -> tuple[int, int]:
+@inner
+def _shortest_missing_link(required: Array, label: Ints) -> tuple[int, int]:
     """Cheapest possible link between two components; the lower indices where two cost the same."""
     uavs = label.shape[0]
     best, first, second = np.inf, -1, -1

@@ -6,7 +6,6 @@ import numpy as np
 
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.types import Array
-from jfto_world.compiled import allocating_kernel as kernel
 from jfto_world.radio import Channel
 
 # Someone else's distance may differ from ours in the last bits; a link asked for is still a link.
@@ -30,8 +29,9 @@ def required_powers(
         raise InputError("positions_m holds values that are not finite, must be ENU metres.")
     p_max_w = checked_caps(p_max_w, positions_m.shape[1])
     checked_sensitivity(sensitivity_w)
-    pair_gain = channel.gain(_pair_distances(positions_m))
-    return _fill(np.ascontiguousarray(pair_gain), p_max_w, float(sensitivity_w))
+    first, second = np.triu_indices(positions_m.shape[1], 1)
+    x, y, z = np.moveaxis(positions_m[:, first] - positions_m[:, second], -1, 0)
+    return _required(channel.gain(np.sqrt(x * x + y * y + z * z)), p_max_w, float(sensitivity_w))
 
 
 def required_powers_of_gain(gain: Array, p_max_w: Array, sensitivity_w: float) -> Array:
@@ -48,7 +48,7 @@ def required_powers_of_gain(gain: Array, p_max_w: Array, sensitivity_w: float) -
     first, second = np.triu_indices(gain.shape[1], 1)
     p_max_w = checked_caps(p_max_w, gain.shape[1])
     checked_sensitivity(sensitivity_w)
-    return _fill(np.ascontiguousarray(gain[:, first, second]), p_max_w, float(sensitivity_w))
+    return _required(gain[:, first, second], p_max_w, float(sensitivity_w))
 
 
 def checked_caps(p_max_w: Array, uav_count: int) -> Array:
@@ -67,36 +67,16 @@ def checked_sensitivity(sensitivity_w: float) -> None:
         raise InputError(f"sensitivity_w is {sensitivity_w}, must be positive watts.")
 
 
-@kernel
-def _pair_distances(positions_m: Array) -> Array:
-    slots, uavs, _ = positions_m.shape
-    distance = np.empty((slots, uavs * (uavs - 1) // 2))
-    for m in range(slots):
-        pair = 0
-        for a in range(uavs):
-            for b in range(a + 1, uavs):
-                x = positions_m[m, a, 0] - positions_m[m, b, 0]
-                y = positions_m[m, a, 1] - positions_m[m, b, 1]
-                z = positions_m[m, a, 2] - positions_m[m, b, 2]
-                distance[m, pair] = np.sqrt(x * x + y * y + z * z)
-                pair += 1
-    return distance
-
-
-@kernel
-def _fill(pair_gain: Array, p_max_w: Array, sensitivity_w: float) -> Array:
-    slots, uavs = pair_gain.shape[0], p_max_w.shape[0]
-    required = np.full((slots, uavs, uavs), np.inf)
-    for m in range(slots):
-        pair = 0
-        for a in range(uavs):
-            for b in range(a + 1, uavs):
-                cap = min(p_max_w[a], p_max_w[b])
-                gain = pair_gain[m, pair]
-                if cap * gain >= sensitivity_w:
-                    # At the very edge of reach the margin must not ask for more than the cap.
-                    power = min(sensitivity_w / gain * (1.0 + RECEPTION_MARGIN), cap)
-                    required[m, a, b] = power
-                    required[m, b, a] = power
-                pair += 1
+def _required(pair_gain: Array, p_max_w: Array, sensitivity_w: float) -> Array:
+    """Powers (M, A, A) from the gains (M, pairs) of the upper triangle."""
+    uavs = len(p_max_w)
+    first, second = np.triu_indices(uavs, 1)
+    cap = np.minimum(p_max_w[first], p_max_w[second])
+    with np.errstate(divide="ignore", over="ignore"):
+        # At the very edge of reach the margin must not ask for more than the cap.
+        power = np.minimum(sensitivity_w / pair_gain * (1.0 + RECEPTION_MARGIN), cap)
+    power = np.where(cap * pair_gain >= sensitivity_w, power, np.inf)
+    required = np.full((len(pair_gain), uavs, uavs), np.inf)
+    required[:, first, second] = power
+    required[:, second, first] = power
     return required

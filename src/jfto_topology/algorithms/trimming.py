@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
+from dataclasses import dataclass
 
-from jfto_msgs_py.types import Array, Flags
-from jfto_world.compiled import allocating_kernel as kernel
+import numpy as np
+
+from jfto_msgs_py.types import Array, Flags, Ints
+from jfto_world.compiled import inner, kernel
+from jfto_world.kernel_struct import KernelStruct
 
 # Kinds of links to cut, in this order.
 CHOICES = 4
 
 
-@kernel
 def trimmed_lists(
     required_w: Array, ring_w: Array, level_w: Array, k_min: int, delta: int
-) -> tuple[Flags, NDArray[np.int64], Flags]:
+) -> tuple[Flags, Ints, Flags]:
     """Active links after trimming, degrees before it, and UAVs left with too many neighbours.
 
     `required_w` and `ring_w` are (M, A, A) and `level_w` (M, A) holds mutual lists. A link goes
@@ -24,38 +25,67 @@ def trimmed_lists(
     one between two UAVs that both have too many before others, then the longest one. Returns
     (M, A, A), (M, A), (M, A).
     """
-    slots, uavs, _ = required_w.shape
-    active = np.zeros((slots, uavs, uavs), dtype=np.bool_)
-    before = np.zeros((slots, uavs), dtype=np.int64)
-    over = np.zeros((slots, uavs), dtype=np.bool_)
-    for m in range(slots):
-        for a in range(uavs):
-            for b in range(uavs):
-                if ring_w[m, a, b] <= level_w[m, a]:
-                    active[m, a, b] = True
-                    before[m, a] += 1
-        degree = before[m].copy()
-        if degree.max() > k_min + delta:
-            _trim(required_w[m], ring_w[m], active[m], degree, k_min, delta)
-        over[m] = degree > k_min + delta
-    return active, before, over
+    active = ring_w <= level_w[..., None]
+    before = active.sum(axis=2)
+    degree = before.copy()
+    uavs = active.shape[1]
+    room = Room(
+        ends=np.empty((uavs * (uavs - 1) // 2, 2), dtype=np.int64),
+        settled=np.empty(uavs * (uavs - 1) // 2, dtype=np.bool_),
+        farthest=np.empty((uavs, 2), dtype=np.int64),
+        seen=np.empty(uavs, dtype=np.bool_),
+        stack=np.empty(uavs, dtype=np.int64),
+    )
+    _trim_all(required_w, ring_w, active, degree, k_min, delta, room)
+    return active, before, degree > k_min + delta
+
+
+@dataclass(frozen=True, eq=False)
+class Room(KernelStruct):
+    """Room to work in: possible links (L, 2), which of them are settled (L,), each UAV's two most
+    costly neighbours (A, 2), and what a walk over links has seen (A,) and has yet to see (A,).
+    """
+
+    ends: Ints
+    settled: Flags
+    farthest: Ints
+    seen: Flags
+    stack: Ints
 
 
 @kernel
-def _trim(
-    required: Array, ring: Array, active: Flags, degree: NDArray, k_min: int, delta: int
+def _trim_all(
+    required_w: Array,
+    ring_w: Array,
+    active: Flags,
+    degree: Ints,
+    k_min: int,
+    delta: int,
+    room: Room,
 ) -> None:
-    uavs = degree.shape[0]
-    ends = _longest_first(required, active)
+    for m in range(active.shape[0]):
+        most = 0
+        for a in range(active.shape[1]):
+            most = max(most, degree[m, a])
+        if most > k_min + delta:
+            _trim(required_w[m], ring_w[m], active[m], degree[m], k_min, delta, room)
+
+
+@inner
+def _trim(
+    required: Array, ring: Array, active: Flags, degree: Ints, k_min: int, delta: int, room: Room
+) -> None:
+    ends, settled, farthest = room.ends, room.settled, room.farthest
+    count = _longest_first(required, active, ends)
     # Links and degrees only ever go, so a link that must stay now must stay for good.
-    settled = np.zeros(ends.shape[0], dtype=np.bool_)
-    farthest = np.empty((uavs, 2), dtype=np.int64)
-    for a in range(uavs):
+    for e in range(count):
+        settled[e] = False
+    for a in range(degree.shape[0]):
         _two_farthest(ring, active, a, farthest)
     choice = 0
     while choice < CHOICES:
         found = -1
-        for e in range(ends.shape[0]):
+        for e in range(count):
             a, b = ends[e, 0], ends[e, 1]
             lesser, greater = min(degree[a], degree[b]), max(degree[a], degree[b])
             # Choices 0 and 2 cut between two UAVs in excess, which spares a link elsewhere.
@@ -69,7 +99,7 @@ def _trim(
             ):
                 continue
             settled[e] = True
-            if lesser > k_min and _detour(active, a, b):
+            if lesser > k_min and _detour(active, a, b, room.seen, room.stack):
                 found = e
                 break
         if found < 0:
@@ -84,11 +114,10 @@ def _trim(
         choice = 0
 
 
-@kernel
-def _longest_first(required: Array, active: Flags) -> NDArray[np.int64]:
-    """Active links (L, 2) by falling power, then by index."""
+@inner
+def _longest_first(required: Array, active: Flags, ends: Ints) -> int:
+    """Write the active links into `ends` by falling power, then by index; returns their number."""
     uavs = active.shape[0]
-    ends = np.empty((uavs * (uavs - 1) // 2, 2), dtype=np.int64)
     count = 0
     for a in range(uavs):
         for b in range(a + 1, uavs):
@@ -100,11 +129,11 @@ def _longest_first(required: Array, active: Flags) -> NDArray[np.int64]:
                 place -= 1
             ends[place, 0], ends[place, 1] = a, b
             count += 1
-    return ends[:count]
+    return count
 
 
-@kernel
-def _two_farthest(ring: Array, active: Flags, a: int, farthest: NDArray) -> None:
+@inner
+def _two_farthest(ring: Array, active: Flags, a: int, farthest: Ints) -> None:
     """Note a's two most costly active neighbours, -1 where there is none."""
     first, second = -1, -1
     for b in range(active.shape[0]):
@@ -117,23 +146,22 @@ def _two_farthest(ring: Array, active: Flags, a: int, farthest: NDArray) -> None
     farthest[a, 0], farthest[a, 1] = first, second
 
 
-@kernel
-def _beyond_power(required: Array, ring: Array, farthest: NDArray, a: int, b: int) -> bool:
+@inner
+def _beyond_power(required: Array, ring: Array, farthest: Ints, a: int, b: int) -> bool:
     """Whether a, once it serves its other neighbours only, no longer reaches b."""
     other = farthest[a, 1] if farthest[a, 0] == b else farthest[a, 0]
     return other < 0 or required[a, b] > ring[a, other]
 
 
-@kernel
-def _detour(active: Flags, a: int, b: int) -> bool:
+@inner
+def _detour(active: Flags, a: int, b: int, seen: Flags, stack: Ints) -> bool:
     """Whether a still reaches b over others, so that their own link is not a bridge."""
     uavs = active.shape[0]
     for c in range(uavs):
         if active[a, c] and active[c, b]:
             return True
-    seen = np.zeros(uavs, dtype=np.bool_)
-    stack = np.empty(uavs, dtype=np.int64)
-    seen[a] = True
+    for c in range(uavs):
+        seen[c] = c == a
     stack[0] = a
     depth = 1
     while depth > 0:

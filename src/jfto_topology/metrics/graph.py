@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.types import Flags
-from jfto_world.compiled import allocating_kernel as kernel
+from jfto_msgs_py.types import Array, Flags, Ints
+from jfto_world.compiled import kernel
 from jfto_world.radio import degrees
 
 
@@ -26,7 +25,7 @@ class DegreeStatistics:
     most: int
     below: float
     above: float
-    histogram: NDArray[np.float64]
+    histogram: Array
 
 
 def connectivity_rate(adjacency: Flags, first_slot: int, on_air: Flags | None = None) -> float:
@@ -50,7 +49,7 @@ def connectivity_rate(adjacency: Flags, first_slot: int, on_air: Flags | None = 
     return float(sizes.mean() / (uavs - 1))
 
 
-def largest_component(adjacency: Flags, present: Flags) -> NDArray[np.int64]:
+def largest_component(adjacency: Flags, present: Flags) -> Ints:
     """Size of the largest component among the UAVs present, (M,); 0 where nobody is.
 
     `adjacency` is (M, A, A), `present` (M, A).
@@ -60,15 +59,21 @@ def largest_component(adjacency: Flags, present: Flags) -> NDArray[np.int64]:
     return counts.max(axis=1, initial=0)
 
 
-@kernel
-def components(adjacency: Flags, present: Flags) -> NDArray[np.int64]:
+def components(adjacency: Flags, present: Flags) -> Ints:
     """Component of each UAV present, numbered from 0 in order of lowest index, -1 if absent.
 
     `adjacency` is (M, A, A), symmetric, `present` and the result (M, A).
     """
+    label = np.full(present.shape, -1, dtype=np.int64)
+    stack = np.empty(present.shape[1], dtype=np.int64)
+    _label(np.ascontiguousarray(adjacency), np.ascontiguousarray(present), label, stack)
+    return label
+
+
+@kernel
+def _label(adjacency: Flags, present: Flags, label: Ints, stack: Ints) -> None:
+    """Walk through each component of every slot; `stack` (A,) is room to work in."""
     slots, uavs = present.shape
-    label = np.full((slots, uavs), -1, dtype=np.int64)
-    stack = np.empty(uavs, dtype=np.int64)
     for m in range(slots):
         count = 0
         for seed in range(uavs):
@@ -86,10 +91,9 @@ def components(adjacency: Flags, present: Flags) -> NDArray[np.int64]:
                         stack[depth] = b
                         depth += 1
             count += 1
-    return label
 
 
-def degree_statistics(adjacency: NDArray[np.bool_], k_min: int, delta: int) -> DegreeStatistics:
+def degree_statistics(adjacency: Flags, k_min: int, delta: int) -> DegreeStatistics:
     """Degree statistics of a topology (M, A, A), which must hold at least one slot and UAV."""
     degree = degrees(adjacency)
     counts = np.bincount(degree.ravel(), minlength=adjacency.shape[1])
@@ -103,12 +107,12 @@ def degree_statistics(adjacency: NDArray[np.bool_], k_min: int, delta: int) -> D
     )
 
 
-def average_hops(adjacency: NDArray[np.bool_]) -> float:
+def average_hops(adjacency: Flags) -> float:
     """Mean shortest-path length over ordered pairs and slots; inf if any slot is disconnected.
 
     `adjacency` is (M, A, A), symmetric. 0 for a single UAV.
     """
-    hops = hop_counts(np.ascontiguousarray(adjacency))
+    hops = hop_counts(adjacency)
     pairs = hops.shape[0] * hops.shape[1] * (hops.shape[1] - 1)
     if not pairs:
         return 0.0
@@ -116,12 +120,17 @@ def average_hops(adjacency: NDArray[np.bool_]) -> float:
     return float("inf") if (hops < 0).any() else float(hops.sum() / pairs)
 
 
-@kernel
-def hop_counts(adjacency: NDArray[np.bool_]) -> NDArray[np.int64]:
+def hop_counts(adjacency: Flags) -> Ints:
     """Links on the shortest path between all pairs, (M, A, A); -1 where there is none."""
+    hops = np.full(adjacency.shape, -1, dtype=np.int64)
+    _walk(np.ascontiguousarray(adjacency), hops, np.empty(adjacency.shape[1], dtype=np.int64))
+    return hops
+
+
+@kernel
+def _walk(adjacency: Flags, hops: Ints, queue: Ints) -> None:
+    """Walk from every UAV of every slot, nearest first; `queue` (A,) is room to work in."""
     slots, uavs, _ = adjacency.shape
-    hops = np.full((slots, uavs, uavs), -1, dtype=np.int64)
-    queue = np.empty(uavs, dtype=np.int64)
     for m in range(slots):
         for origin in range(uavs):
             hops[m, origin, origin] = 0
@@ -135,4 +144,3 @@ def hop_counts(adjacency: NDArray[np.bool_]) -> NDArray[np.int64]:
                         hops[m, origin, b] = hops[m, origin, a] + 1
                         queue[tail] = b
                         tail += 1
-    return hops

@@ -1,7 +1,5 @@
 """Compiled loops over a bicubic B-spline: its value, and where a ray first meets it.
 
-Both live in one file because numba's cache of compiled code notices changes of this file only.
-
 Over one cell of the grid the height of a ray above the surface is a polynomial of degree 6 in the
 distance along it. Its Bernstein coefficients bound it from below (convex-hull property): a cell
 whose coefficients are all positive is passed, others are halved (de Casteljau) until the first
@@ -17,11 +15,13 @@ import math
 import numpy as np
 
 from jfto_msgs_py.types import Array
-from jfto_world.compiled import allocating_kernel as kernel
+from jfto_world.compiled import inner, kernel
 
 _DEGREE = 6
 _RESOLUTION = 2.0**-28
-_STACK = 32
+# A piece of a polynomial on the stack: its coefficients, where it begins, and how wide it is.
+_BEGIN, _WIDTH = _DEGREE + 1, _DEGREE + 2
+_STACK, _PIECE = 32, _DEGREE + 3
 
 
 def _bernstein_from_samples() -> Array:
@@ -34,7 +34,7 @@ def _bernstein_from_samples() -> Array:
 _TO_BERNSTEIN = _bernstein_from_samples()
 
 
-@kernel
+@inner
 def evaluate(coefficients: Array, u: float, v: float) -> tuple[float, float, float]:
     """Height and its slopes per node at node coordinates (u along columns, v along rows)."""
     columns = coefficients.shape[1] - 2
@@ -80,18 +80,17 @@ def evaluate_all(coefficients: Array, u: Array, v: Array, result: Array) -> None
         result[0, k], result[1, k], result[2, k] = evaluate(coefficients, u[k], v[k])
 
 
-@kernel
-def _first_root(b: Array, left: Array) -> float:
+@inner
+def _first_root(stack: Array, left: Array) -> float:
     """First t in [0, 1] at which a polynomial in Bernstein form is ≤ 0; inf if none.
 
-    `b` (_STACK, 7) holds the polynomial in row 0 and is overwritten, as is `left` (7,).
+    `stack` holds the polynomial as its first piece and is overwritten, as is `left` (7,).
     """
     depth = 0
-    starts = np.zeros(_STACK)
-    widths = np.ones(_STACK)
+    stack[0, _BEGIN], stack[0, _WIDTH] = 0.0, 1.0
     while depth >= 0:
-        row = b[depth]
-        start, width = starts[depth], widths[depth]
+        row = stack[depth]
+        start, width = row[_BEGIN], row[_WIDTH]
         if row[0] <= 0.0:
             return start
         lowest = row[1]
@@ -108,16 +107,15 @@ def _first_root(b: Array, left: Array) -> float:
             for k in range(_DEGREE - level):
                 row[k] = 0.5 * (row[k] + row[k + 1])
         # `row` now holds the right half; the left half goes on top of the stack.
-        widths[depth] = 0.5 * width
-        starts[depth] = start + 0.5 * width
+        row[_BEGIN], row[_WIDTH] = start + 0.5 * width, 0.5 * width
         depth += 1
-        b[depth, :] = left
-        widths[depth] = 0.5 * width
-        starts[depth] = start
+        for k in range(_DEGREE + 1):
+            stack[depth, k] = left[k]
+        stack[depth, _BEGIN], stack[depth, _WIDTH] = start, 0.5 * width
     return math.inf
 
 
-@kernel
+@inner
 def _clip(
     position: float, step: float, last: float, near: float, far: float
 ) -> tuple[float, float]:
@@ -132,7 +130,7 @@ def _clip(
     return max(near, low), min(far, high)
 
 
-@kernel
+@inner
 def _clip_height(
     z: float, dz: float, floor: float, ceiling: float, near: float, far: float
 ) -> tuple[float, float]:
@@ -144,7 +142,7 @@ def _clip_height(
     return near, far
 
 
-@kernel
+@inner
 def _crossing(position: float, step: float, cell: int) -> float:
     """Distance at which a ray leaves a cell of unit width; inf where it never does."""
     if step > 0.0:
@@ -162,18 +160,17 @@ def first_hits(
     origins: Array,
     units: Array,
     ranges: Array,
+    room: Array,
     result: Array,
 ) -> None:
     """Fill `result` (K,) with the distance of each ray's first point on or below the surface.
 
-    `grid` holds x0, y0, step_x and step_y; `highest` a bound from above for each cell.
+    `grid` holds x0, y0, step_x, step_y and bounds of the whole surface from below and above;
+    `highest` a bound from above for each cell; `room` is `room_for_hits()`.
     """
     rows, columns = highest.shape
-    ceiling = highest.max()
-    floor = coefficients.min() - 1.0
-    b = np.empty((_STACK, _DEGREE + 1))
-    left = np.empty(_DEGREE + 1)
-    gap = np.empty(_DEGREE + 1)
+    floor, ceiling = grid[4], grid[5]
+    stack, left, gap = room[:_STACK], room[_STACK], room[_STACK + 1]
     for ray in range(len(origins)):
         result[ray] = math.inf
         u, v = (origins[ray, 0] - grid[0]) / grid[2], (origins[ray, 1] - grid[1]) / grid[3]
@@ -194,10 +191,10 @@ def first_hits(
                     t = near + (end - near) * k / _DEGREE
                     gap[k] = z + dz * t - evaluate(coefficients, u + du * t, v + dv * t)[0]
                 for k in range(_DEGREE + 1):
-                    b[0, k] = 0.0
+                    stack[0, k] = 0.0
                     for m in range(_DEGREE + 1):
-                        b[0, k] += _TO_BERNSTEIN[k, m] * gap[m]
-                root = _first_root(b, left)
+                        stack[0, k] += _TO_BERNSTEIN[k, m] * gap[m]
+                root = _first_root(stack, left)
                 if root <= 1.0:
                     result[ray] = near + root * (end - near)
                     break
@@ -210,3 +207,8 @@ def first_hits(
                 i += 1 if dv > 0.0 else -1
             if i < 0 or j < 0 or i >= rows or j >= columns:
                 break
+
+
+def room_for_hits() -> Array:
+    """Room for `first_hits` to work in: a stack of pieces and two rows."""
+    return np.empty((_STACK + 2, _PIECE))

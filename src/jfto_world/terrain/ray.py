@@ -6,7 +6,7 @@ import numpy as np
 
 from jfto_msgs_py.types import Array
 from jfto_world.terrain.cubic_surface import CubicSurface
-from jfto_world.terrain.kernels import first_hits
+from jfto_world.terrain.kernels import first_hits, room_for_hits
 
 
 def first_hit(
@@ -19,13 +19,15 @@ def first_hit(
     below the surface hits at 0.
     """
     result = np.empty(len(origin_m))
+    grid = [surface.x0, surface.y0, surface.step_x, surface.step_y]
     first_hits(
         surface.coefficients,
         highest,
-        np.array([surface.x0, surface.y0, surface.step_x, surface.step_y]),
+        np.array([*grid, surface.coefficients.min() - 1.0, highest.max()]),
         np.ascontiguousarray(origin_m, dtype=np.float64),
         np.ascontiguousarray(unit, dtype=np.float64),
         np.ascontiguousarray(max_range_m, dtype=np.float64),
+        room_for_hits(),
         result,
     )
     return result
