@@ -28,22 +28,32 @@ Function = Callable[..., Any]
 _CONSTANTS = (bool, int, float, complex, str, bytes, tuple, type(None), np.generic)
 # The files that say how functions are compiled.
 _HOW = (__file__, str(Path(__file__).with_name("kernel_struct.py")))
-# Typed by hand, since numba's own types lack some of its options.
-_njit: Any = numba.njit
-_OPTIONS: dict[str, Any] = {
-    "nogil": True,
-    "error_model": "numpy",
-    "no_cfunc_wrapper": True,
-    "_nrt": False,
-}
+_OPTIONS = {"nopython": True, "nogil": True, "error_model": "numpy", "_nrt": False}
+_WITHOUT_WRAPPERS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 # Every kernel of the modules that are imported, in the order in which they were defined.
 kernels: list[Any] = []
 
 
+class _Kernel(CPUDispatcher):
+    """Compiled once for all numbers of a type, where numba would once more for each literal one."""
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        plain = {name: numba.types.unliteral(kind) for name, kind in dict(kws).items()}
+        return super().get_call_template(tuple(map(numba.types.unliteral, args)), plain)
+
+
+class _Inner(_Kernel):
+    def __call__(self, *_args: Any, **_keywords: Any) -> Any:
+        raise TypeError(
+            f"{self.py_func.__name__} is compiled for kernels only; call its py_func, or make it "
+            "a kernel."
+        )
+
+
 def kernel(function: Function) -> Any:
     """Compile a function that runs without the interpreter lock, and cache it on disk."""
-    dispatcher = _for_any_number(_njit(**_OPTIONS)(function))
+    dispatcher = _Kernel(function, targetoptions={**_OPTIONS, "no_cfunc_wrapper": True})
     keep_compiled(dispatcher)
     kernels.append(dispatcher)
     return dispatcher
@@ -59,7 +69,7 @@ def allocating_kernel(function: Function) -> Any:
 
 def inner(function: Function) -> Any:
     """Compile a function that only kernels and other inner functions can call."""
-    return _for_any_number(_njit(no_cpython_wrapper=True, **_OPTIONS)(function))
+    return _Inner(function, targetoptions={**_OPTIONS, **_WITHOUT_WRAPPERS})
 
 
 def inlined(function: Function) -> Any:
@@ -68,19 +78,8 @@ def inlined(function: Function) -> Any:
     What calls many others is compiled sooner so: what a function calls is optimised once more with
     every function above it.
     """
-    return _njit(no_cpython_wrapper=True, inline="always", **_OPTIONS)(function)
-
-
-def _for_any_number(dispatcher: Any) -> Any:
-    """Compile once for all numbers of a type, where numba would once more for each literal one."""
-    choose = dispatcher.get_call_template
-
-    def choose_by_type(args: tuple[Any, ...], keywords: dict[str, Any]) -> Any:
-        plain = {name: numba.types.unliteral(kind) for name, kind in keywords.items()}
-        return choose(tuple(map(numba.types.unliteral, args)), plain)
-
-    dispatcher.get_call_template = choose_by_type
-    return dispatcher
+    options = {**_OPTIONS, **_WITHOUT_WRAPPERS, "inline": "always"}
+    return _Inner(function, targetoptions=options)
 
 
 def keep_compiled(dispatcher: Any) -> None:

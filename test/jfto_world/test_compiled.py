@@ -4,7 +4,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-from jfto_world.compiled import stamp_of
+import pytest
+
+from jfto_world.compiled import inner, kernel, stamp_of
 
 INNER = """\
 from jfto_world.compiled import kernel
@@ -76,3 +78,19 @@ def test_the_stamp_ignores_what_a_function_does_not_use():
         globals()["OUTER"] = saved
     assert before[0] != after[0]
     assert before[1] == after[1]
+
+
+def test_an_inner_function_says_that_python_cannot_call_it():
+    """Without its wrapper a call from Python would end the process; it raises TypeError."""
+
+    @inner
+    def half(x):
+        return x / 2
+
+    @kernel
+    def quarter(x):
+        return half(half(x))
+
+    assert quarter(2.0) == 0.5
+    with pytest.raises(TypeError, match="half is compiled for kernels only"):
+        half(2.0)

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from jfto_msgs_py.types import Array
-from jfto_world.compiled import allocating_kernel as kernel
+from jfto_world.compiled import inner, kernel
 
 
-@kernel
 def progress_time(
     times_s: Array,
     positions_m: Array,
@@ -26,11 +25,21 @@ def progress_time(
     So a route that crosses itself is not mistaken for having been there before, and where the
     trajectory holds the expected time is the answer. The distance is that to the place alone, m.
     """
+    low = min(max(low_s, times_s[0]), times_s[-1])
+    high = max(min(high_s, times_s[-1]), times_s[0])
+    first = int(np.searchsorted(times_s, low, side="right")) - 1
+    first = min(max(first, 0), max(len(times_s) - 2, 0))
+    return _best_time(times_s, positions_m, measured_m, expected_s, low, high, pull_mps, first)
+
+
+@kernel
+def _best_time(
+    times_s: Array, positions_m: Array, measured_m: Array, expected_s: float, low: float,
+    high: float, pull_mps: float, first: int,
+) -> tuple[float, float]:  # fmt: skip
+    """The same from piece `first` on."""
     last = times_s.shape[0] - 1
-    low = min(max(low_s, times_s[0]), times_s[last])
-    high = max(min(high_s, times_s[last]), times_s[0])
     found, found_away, least = low, np.inf, np.inf
-    first = min(max(np.searchsorted(times_s, low, side="right") - 1, 0), max(last - 1, 0))
     for m in range(first, max(last, 1)):
         begin, end = times_s[m], times_s[min(m + 1, last)]
         if begin > high:
@@ -45,7 +54,6 @@ def progress_time(
     return found, found_away
 
 
-@kernel
 def passes(
     times_s: Array, positions_m: Array, measured_m: Array, latest_s: float, within_m: float
 ) -> Array:
@@ -53,9 +61,17 @@ def passes(
 
     One per pass: where the distance is locally least. Arguments as for `progress_time`.
     """
-    count = times_s.shape[0]
-    found = np.empty(count)
-    number = 0
+    found = np.empty(len(times_s))
+    return found[: _find_passes(times_s, positions_m, measured_m, latest_s, within_m, found)]
+
+
+@kernel
+def _find_passes(
+    times_s: Array, positions_m: Array, measured_m: Array, latest_s: float, within_m: float,
+    found: Array,
+) -> int:  # fmt: skip
+    """Write the times of all passes into `found` (M,) and return how many there are."""
+    count, number = times_s.shape[0], 0
     before, here_s, here = np.inf, times_s[0], np.inf
     for m in range(count):
         after_s, after = times_s[m], np.inf
@@ -67,7 +83,11 @@ def passes(
             )  # fmt: skip
             after = np.sqrt(away_2)
         elif count == 1:
-            after = np.sqrt(((positions_m[0] - measured_m) ** 2).sum())
+            _, away_2 = _nearest(
+                times_s[0], times_s[0], positions_m[0], positions_m[0],
+                measured_m, times_s[0], 0.0, times_s[0], times_s[0],
+            )  # fmt: skip
+            after = np.sqrt(away_2)
         if m > 0 and here <= within_m and here <= before and here < after:
             found[number] = here_s
             number += 1
@@ -75,10 +95,10 @@ def passes(
     if count == 1 and here <= within_m:
         found[number] = here_s
         number += 1
-    return found[:number].copy()
+    return number
 
 
-@kernel
+@inner
 def _nearest(
     begin_s: float,
     end_s: float,

@@ -17,6 +17,9 @@ from jfto_world.motion.arducopter.leg_profile import (
 )
 from jfto_world.motion.arducopter.wpnav import WpNav
 
+# As Python runs it; compiled it is a part of others.
+along_leg = along_leg.py_func
+
 
 def leg_of(step, wpnav):
     leg = np.zeros(COLUMNS)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from jfto_msgs_py.errors import InfeasibleError
 from jfto_msgs_py.types import Array, Flags
-from jfto_world.compiled import allocating_kernel as kernel
+from jfto_world.compiled import inner, kernel
 from jfto_world.motion.arducopter.follower import (
     THRUST,
     clock_step,
@@ -71,7 +72,8 @@ def fly_route(
     wind = np.array(wind_mps, dtype=np.float64)
     count = _fly(
         points, track.legs, track.half_overlap_s, stops, holds, wpnav.radius_m, parameters,
-        wind, step_s, flown_state(points[0], parameters, wind, step_s), reached, record,
+        wind, step_s, flown_state(points[0], parameters, wind, step_s), np.zeros(len(points)),
+        np.zeros((3, 3)), reached, record,
     )  # fmt: skip
     return flight_of_record(record, count, reached, step_s, budget, wpnav, wind)
 
@@ -80,7 +82,10 @@ def flown_state(point_m: Array, parameters: Array, wind: Array, step_s: float) -
     """State of a vehicle that has hovered over a point for long enough to lean into the wind."""
     state = hover_state(point_m)
     if wind.any():
-        _settle(state, parameters, wind, step_s)
+        target = np.zeros((3, 3))
+        target[0] = point_m
+        for _ in range(int(_HOVER_S / step_s)):
+            follow_step(state, target, parameters, wind[0], wind[1], step_s)
     return state
 
 
@@ -106,12 +111,13 @@ def flight_of_record(
     return Flight(reached_s, step_s, kept[:, :3], kept[:, 3:6], kept[:, 6:9], kept[:, 9])
 
 
-@kernel
+@inner
 def _aim(points: Array, legs: Array, elapsed: Array, leg: int, target: Array) -> None:
     """Target from the previous leg, this leg and the next, each at its own time `elapsed`."""
     first = max(leg - 1, 0)
-    target[:] = 0.0
-    target[0] = points[first]
+    for axis in range(3):
+        target[0, axis] = points[first, axis]
+        target[1, axis] = target[2, axis] = 0.0
     for k in range(first, min(leg + 2, len(legs))):
         x, w, a = along_leg(legs[k], elapsed[k])
         for axis in range(3):
@@ -120,13 +126,21 @@ def _aim(points: Array, legs: Array, elapsed: Array, leg: int, target: Array) ->
             target[2, axis] += a * legs[k, axis]
 
 
-@kernel
-def _settle(state: Array, parameters: Array, wind: Array, dt_s: float) -> None:
-    """Let a hovering vehicle lean into the wind, as one does that has waited for its mission."""
-    target = np.zeros((3, 3))
-    target[0] = state[:3]
-    for _ in range(int(_HOVER_S / dt_s)):
-        follow_step(state, target, parameters, wind[0], wind[1], dt_s)
+@inner
+def note(row: Array, state: Array, target: Array) -> None:
+    """Write position, velocity, target and the acceleration made by tilting into a row (10,)."""
+    for k in range(6):
+        row[k] = state[k]
+    for k in range(3):
+        row[6 + k] = target[0, k]
+    row[9] = np.hypot(state[THRUST], state[THRUST + 1])
+
+
+@inner
+def distance(state: Array, point: Array) -> float:
+    """Distance of a vehicle from a point."""
+    dx, dy, dz = point[0] - state[0], point[1] - state[1], point[2] - state[2]
+    return math.sqrt(dx * dx + dy * dy + dz * dz)
 
 
 @kernel
@@ -141,19 +155,21 @@ def _fly(
     wind: Array,
     dt_s: float,
     state: Array,
+    elapsed: Array,
+    target: Array,
     reached_s: Array,
     record: Array,
 ) -> int:
-    """Fill `record` and `reached_s`; returns the number of steps, or 0 if they did not suffice."""
+    """Fill `record` and `reached_s`; returns the number of steps, or 0 if they did not suffice.
+
+    `elapsed` (M,) and `target` (3, 3), both zero, are room to work in.
+    """
     count = len(legs)
-    elapsed = np.zeros(count)
-    target = np.zeros((3, 3))
-    target[0] = points[0]
+    for axis in range(3):
+        target[0, axis] = points[0, axis]
     leg, waiting = 0, -1.0
     for i in range(len(record)):
-        record[i, :6] = state[:6]
-        record[i, 6:9] = target[0]
-        record[i, 9] = np.hypot(state[THRUST], state[THRUST + 1])
+        note(record[i], state, target)
         if leg == count:
             return i + 1
         now = (i + 1) * dt_s
@@ -174,8 +190,7 @@ def _fly(
                 reached_s[leg] = now
         elif rest <= 0.0:
             if waiting < 0.0:
-                away = points[leg + 1] - state[:3]
-                if np.sqrt(np.sum(away * away)) <= radius_m:
+                if distance(state, points[leg + 1]) <= radius_m:
                     waiting = 0.0
             else:
                 waiting += dt_s

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from jfto_msgs_py.types import Array
-from jfto_world.compiled import allocating_kernel as kernel
+from jfto_world.compiled import inner, kernel
 from jfto_world.motion.arducopter.wpnav import GRAVITY_MPS2, Airframe, WpNav
 
 POSITION, VELOCITY = 0, 3  # 3 each, ENU
@@ -74,26 +74,46 @@ def clock_step(state: Array, target: Array, parameters: Array, dt_s: float) -> f
     return state[RATE]
 
 
-@kernel
-def limit_tilt(demand: Array, velocity: Array, limit: float) -> bool:
-    """Cut a horizontal acceleration to `limit`, in place, keeping its part across the velocity."""
-    if math.sqrt(demand[0] ** 2 + demand[1] ** 2) <= limit:
-        return False
+@inner
+def _limit_tilt(
+    east: float, north: float, velocity: Array, limit: float
+) -> tuple[bool, float, float]:
+    """Cut a horizontal acceleration to `limit`, keeping its part across the velocity.
+
+    Returns whether it had to be cut, and what is left of it.
+    """
+    if math.sqrt(east**2 + north**2) <= limit:
+        return False, east, north
     speed = math.sqrt(velocity[0] ** 2 + velocity[1] ** 2)
     if speed < 1e-6:
-        scale = limit / math.sqrt(demand[0] ** 2 + demand[1] ** 2)
-        demand[0] *= scale
-        demand[1] *= scale
-        return True
+        scale = limit / math.sqrt(east**2 + north**2)
+        return True, east * scale, north * scale
     ue, un = velocity[0] / speed, velocity[1] / speed
-    along = demand[0] * ue + demand[1] * un
-    across = demand[1] * ue - demand[0] * un
+    along = east * ue + north * un
+    across = north * ue - east * un
     across = min(limit, max(-limit, across))
     room = math.sqrt(limit * limit - across * across)
     along = min(room, max(-room, along))
-    demand[0] = along * ue - across * un
-    demand[1] = along * un + across * ue
-    return True
+    return True, along * ue - across * un, along * un + across * ue
+
+
+@inner
+def _wish(state: Array, target: Array, axis: int, alpha: float, dt_s: float) -> float:
+    """Horizontal acceleration that the position controller asks for along an axis, uncut.
+
+    The filters of the velocity error go on in `state`.
+    """
+    wish = target[1, axis] + _POSITION_GAIN * (target[0, axis] - state[POSITION + axis])
+    before = state[ERROR + axis]
+    state[ERROR + axis] += alpha * (wish - state[VELOCITY + axis] - before)
+    slope = (state[ERROR + axis] - before) / dt_s
+    state[SLOPE + axis] += alpha * (slope - state[SLOPE + axis])
+    return (
+        target[2, axis]
+        + _VELOCITY_P * state[ERROR + axis]
+        + state[INTEGRAL + axis]
+        + _VELOCITY_D * state[SLOPE + axis]
+    )
 
 
 @kernel
@@ -109,33 +129,22 @@ def follow_step(
     the time constant of the planner's clock.
     """
     alpha = dt_s / (dt_s + _FILTER_S)
-    demand = np.empty(2)
-    for axis in range(2):
-        wish = target[1, axis] + _POSITION_GAIN * (target[0, axis] - state[POSITION + axis])
-        before = state[ERROR + axis]
-        state[ERROR + axis] += alpha * (wish - state[VELOCITY + axis] - before)
-        slope = (state[ERROR + axis] - before) / dt_s
-        state[SLOPE + axis] += alpha * (slope - state[SLOPE + axis])
-        demand[axis] = (
-            target[2, axis]
-            + _VELOCITY_P * state[ERROR + axis]
-            + state[INTEGRAL + axis]
-            + _VELOCITY_D * state[SLOPE + axis]
-        )
-    cut = limit_tilt(demand, target[1], parameters[0])
+    east = _wish(state, target, 0, alpha, dt_s)
+    north = _wish(state, target, 1, alpha, dt_s)
+    cut, east, north = _limit_tilt(east, north, target[1], parameters[0])
     lag = 1.0 - math.exp(-dt_s / parameters[3])
     for axis in range(2):
         held = state[INTEGRAL + axis] + _VELOCITY_I * state[ERROR + axis] * dt_s
         if not cut or abs(held) < abs(state[INTEGRAL + axis]):
             state[INTEGRAL + axis] = min(_INTEGRAL_MAX_MPS2, max(-_INTEGRAL_MAX_MPS2, held))
-        state[THRUST + axis] += lag * (demand[axis] - state[THRUST + axis])
+        state[THRUST + axis] += lag * ((east if axis == 0 else north) - state[THRUST + axis])
     climb = target[1, 2] + _POSITION_GAIN * (target[0, 2] - state[POSITION + 2])
     accel_u = target[2, 2] + (climb - state[VELOCITY + 2]) / parameters[4]
     _turn(state, target, dt_s)
     _move(state, parameters, wind_e, wind_n, accel_u, dt_s)
 
 
-@kernel
+@inner
 def _turn(state: Array, target: Array, dt_s: float) -> None:
     """Let the nose follow the target's horizontal velocity."""
     speed = math.sqrt(target[1, 0] ** 2 + target[1, 1] ** 2)
@@ -148,7 +157,7 @@ def _turn(state: Array, target: Array, dt_s: float) -> None:
         state[HEADING], state[HEADING + 1] = he / size, hn / size
 
 
-@kernel
+@inner
 def _move(
     state: Array, parameters: Array, wind_e: float, wind_n: float, accel_u: float, dt_s: float
 ) -> None:
@@ -184,6 +193,12 @@ def _move(
         thrust = (GRAVITY_MPS2 + accel_u + x * au + y * su + z * uu) / uu
     accel_e = thrust * ue - drag_e
     accel_n = thrust * un - drag_n
-    for axis, accel in enumerate((accel_e, accel_n, accel_u)):
-        state[POSITION + axis] += dt_s * (state[VELOCITY + axis] + 0.5 * dt_s * accel)
-        state[VELOCITY + axis] += dt_s * accel
+    _accelerate(state, 0, accel_e, dt_s)
+    _accelerate(state, 1, accel_n, dt_s)
+    _accelerate(state, 2, accel_u, dt_s)
+
+
+@inner
+def _accelerate(state: Array, axis: int, accel: float, dt_s: float) -> None:
+    state[POSITION + axis] += dt_s * (state[VELOCITY + axis] + 0.5 * dt_s * accel)
+    state[VELOCITY + axis] += dt_s * accel

@@ -12,8 +12,8 @@ import math
 
 import numpy as np
 
-from jfto_msgs_py.types import Array, Flags
-from jfto_world.compiled import allocating_kernel as kernel
+from jfto_msgs_py.types import Array, Flags, Ints
+from jfto_world.compiled import inner, kernel
 from jfto_world.motion.arducopter.wpnav import WpNav
 
 UX, UY, UZ = 0, 1, 2  # unit vector of the leg
@@ -108,7 +108,7 @@ def fill_leg(leg: Array, dx: float, dy: float, dz: float, limits: Array) -> None
     leg[DURATION] = t_acc + length / reached
 
 
-@kernel
+@inner
 def _rise(leg: Array, time_s: float) -> tuple[float, float, float]:
     """Distance, speed and acceleration in the first half of the speed-up."""
     t_j, jerk = leg[T_J], leg[JERK]
@@ -158,7 +158,7 @@ def speed_up(leg: Array, time_s: float) -> tuple[float, float, float]:
     return leg[SPEED] * (time_s - 0.5 * t_acc) + x, leg[SPEED] - w, a
 
 
-@kernel
+@inner
 def along_leg(leg: Array, time_s: float) -> tuple[float, float, float]:
     """Distance, speed and acceleration `time_s` after the leg began; at rest at its end."""
     if time_s >= leg[DURATION]:
@@ -169,7 +169,7 @@ def along_leg(leg: Array, time_s: float) -> tuple[float, float, float]:
     return leg[LENGTH] - x, w, -a
 
 
-@kernel
+@inner
 def _may_turn(this: Array, after: Array, half_s: float, radius: float, accel: float) -> bool:
     """Whether the autopilot would begin the turn `half_s` before and end it after the corner."""
     x1, w1, c1 = speed_up(this, half_s)
@@ -236,8 +236,7 @@ def plan_legs(
     """Fill the legs of a route and their times; arguments as the fields of `TargetTrack`."""
     count = len(legs)
     for k in range(count):
-        step = points[k + 1] - points[k]
-        fill_leg(legs[k], step[0], step[1], step[2], limits)
+        _fill_between(legs[k], points, k, k + 1, limits)
     now = 0.0
     for k in range(count):
         begin_s[k] = now
@@ -248,19 +247,34 @@ def plan_legs(
         now += hold_s[k + 1] - half_s[k + 1]
 
 
+@inner
+def _fill_between(leg: Array, points: Array, i: int, j: int, limits: Array) -> None:
+    """Write the row of the leg from point i to point j into `leg`."""
+    dx, dy, dz = (
+        points[j, 0] - points[i, 0],
+        points[j, 1] - points[i, 1],
+        points[j, 2] - points[i, 2],
+    )
+    fill_leg(leg, dx, dy, dz, limits)
+
+
 @kernel
-def sample_target(points: Array, legs: Array, begin_s: Array, times_s: Array, out: Array) -> None:
-    """Write position, velocity and acceleration at `times_s` into `out` (T, 3, 3)."""
+def sample_target(
+    points: Array, legs: Array, begin_s: Array, times_s: Array, last: Ints, out: Array
+) -> None:
+    """Add position, velocity and acceleration at `times_s` to `out` (T, 3, 3).
+
+    `last` (T,) is the leg that had begun last by then, -1 before the first.
+    """
     count = len(legs)
     for i in range(len(times_s)):
         now = times_s[i]
-        last = np.searchsorted(begin_s, now, side="right") - 1
-        first = max(last, 0)
+        first = max(last[i], 0)
         while first > 0 and now < begin_s[first - 1] + legs[first - 1, DURATION]:
             first -= 1
         for axis in range(3):
             out[i, 0, axis] = points[first, axis]
-        for k in range(first, min(last + 1, count)):
+        for k in range(first, min(last[i] + 1, count)):
             x, w, a = along_leg(legs[k], now - begin_s[k])
             for axis in range(3):
                 unit = legs[k, UX + axis]
@@ -270,20 +284,20 @@ def sample_target(points: Array, legs: Array, begin_s: Array, times_s: Array, ou
 
 
 @kernel
-def fill_leg_times(points: Array, limits: Array, stops: bool, out: Array) -> None:
+def fill_leg_times(points: Array, limits: Array, stops: bool, room: Array, out: Array) -> None:
     """Write the time between each ordered pair of points into `out` (M, M).
 
     With `stops` rest to rest; without, less the overlap of a corner of 105° between equal legs at
-    each end.
+    each end. `room` (2, COLUMNS) is room to work in.
     """
-    leg, turned = np.zeros(COLUMNS), np.zeros(COLUMNS)
+    leg, turned = room[0], room[1]
     for i in range(len(points)):
         for j in range(len(points)):
-            step = points[j] - points[i]
-            fill_leg(leg, step[0], step[1], step[2], limits)
+            _fill_between(leg, points, i, j, limits)
             out[i, j] = leg[DURATION]
             if not stops and i != j:
-                turned[:] = leg
+                for k in range(COLUMNS):
+                    turned[k] = leg[k]
                 turned[UX] = _TYPICAL_COS * leg[UX] - _TYPICAL_SIN * leg[UY]
                 turned[UY] = _TYPICAL_SIN * leg[UX] + _TYPICAL_COS * leg[UY]
                 out[i, j] -= 2.0 * half_overlap_s(leg, turned, limits)

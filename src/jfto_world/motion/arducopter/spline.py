@@ -13,10 +13,15 @@ import numpy as np
 
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.types import Array
-from jfto_world.compiled import allocating_kernel as kernel
-from jfto_world.motion.arducopter.closed_loop import Flight, flight_of_record, flown_state
+from jfto_world.compiled import inner, kernel
+from jfto_world.motion.arducopter.closed_loop import (
+    Flight,
+    distance,
+    flight_of_record,
+    flown_state,
+    note,
+)
 from jfto_world.motion.arducopter.follower import (
-    THRUST,
     clock_step,
     follow_step,
     follower_parameters,
@@ -29,6 +34,9 @@ _VECTORS_PER_CHORD = 4.0
 # the planner runs so many times as often as the vehicle is stepped
 _SUBSTEPS = 8
 _SLOWEST_MPS = 0.05
+# rows of what is known at one place of a leg
+PLACE, DIRECTION, FIRST, SECOND, ACROSS, END = range(6)
+ROWS = 6
 
 
 def fly_splines(
@@ -56,7 +64,8 @@ def fly_splines(
     record = np.zeros((math.ceil(budget / step_s), 10))
     count = _fly_splines(
         _hermite(points), _end_speeds(points, wpnav), _limits(wpnav), parameters, wind,
-        wpnav.radius_m, step_s, flown_state(points[0], parameters, wind, step_s), reached, record,
+        wpnav.radius_m, step_s, flown_state(points[0], parameters, wind, step_s),
+        np.zeros((3, 3)), np.zeros((ROWS, 3)), reached, record,
     )  # fmt: skip
     return flight_of_record(record, count, reached, step_s, budget, wpnav, wind)
 
@@ -94,14 +103,20 @@ def _end_speeds(points: Array, wpnav: WpNav) -> Array:
     speeds = np.zeros(len(curves))
     for k in range(len(curves) - 2, -1, -1):
         end = curves[k + 1].sum(axis=0)
-        _, speeds[k], _ = _allowed(curves[k + 1], 0.0, limits, end, speeds[k + 1], np.zeros((2, 3)))
+        room = np.zeros((ROWS, 3))
+        _, speeds[k], _ = _allowed(curves[k + 1], 0.0, limits, end, speeds[k + 1], room)
     return speeds
 
 
-@kernel
+@inner
+def _length(vector: Array) -> float:
+    return math.sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2])
+
+
+@inner
 def _along(direction: Array, level: float, up: float, down: float) -> float:
     """Greatest length of a vector in a direction whose parts keep their limits."""
-    size = math.sqrt(np.sum(direction * direction))
+    size = _length(direction)
     if size == 0.0:
         return level
     flat = math.sqrt(direction[0] ** 2 + direction[1] ** 2) / size
@@ -120,22 +135,29 @@ def _along(direction: Array, level: float, up: float, down: float) -> float:
 def _allowed(
     curve: Array, u: float, limits: Array, end: Array, end_speed: float, out: Array
 ) -> tuple[float, float, float]:
-    """At `u` of a leg: metres per u, greatest speed, acceleration; `out`: place and direction."""
-    first = curve[1] + u * (2 * curve[2] + 3 * u * curve[3])
-    second = 2 * curve[2] + 6 * u * curve[3]
-    out[0] = curve[0] + u * (curve[1] + u * (curve[2] + u * curve[3]))
-    size = math.sqrt(np.sum(first * first))
-    way = first if size > 1e-6 else second
-    out[1] = way / math.sqrt(np.sum(way * way))
-    across = second - out[1] * np.sum(second * out[1])
-    bend = math.sqrt(np.sum(across * across))
-    speed = _along(out[1], limits[0], limits[1], limits[2])
+    """At `u` of a leg: metres per u, greatest speed, acceleration; `out` (ROWS, 3): place,
+    direction, first and second derivative, and the latter's part across the direction.
+    """
+    for k in range(3):
+        out[FIRST, k] = curve[1, k] + u * (2 * curve[2, k] + 3 * u * curve[3, k])
+        out[SECOND, k] = 2 * curve[2, k] + 6 * u * curve[3, k]
+        out[PLACE, k] = curve[0, k] + u * (curve[1, k] + u * (curve[2, k] + u * curve[3, k]))
+    size = _length(out[FIRST])
+    way = out[FIRST] if size > 1e-6 else out[SECOND]
+    length = _length(way)
+    turned = 0.0
+    for k in range(3):
+        out[DIRECTION, k] = way[k] / length
+        turned += out[SECOND, k] * out[DIRECTION, k]
+    for k in range(3):
+        out[ACROSS, k] = out[SECOND, k] - out[DIRECTION, k] * turned
+    bend = _length(out[ACROSS])
+    speed = _along(out[DIRECTION], limits[0], limits[1], limits[2])
     if bend > 1e-9:
-        lateral = _along(across, limits[3], limits[4], limits[4])
+        lateral = _along(out[ACROSS], limits[3], limits[4], limits[4])
         speed = min(speed, size * math.sqrt(lateral / bend))
-    accel = _along(out[1], limits[3], limits[4], limits[4])
-    rest = end - out[0]
-    left = math.sqrt(np.sum(rest * rest))
+    accel = _along(out[DIRECTION], limits[3], limits[4], limits[4])
+    left = distance(out[PLACE], end)
     speed = min(speed, math.sqrt(2.0 * accel * left + end_speed * end_speed))
     return size, speed, accel
 
@@ -150,39 +172,42 @@ def _fly_splines(
     radius_m: float,
     dt_s: float,
     state: Array,
+    target: Array,
+    frame: Array,
     reached_s: Array,
     record: Array,
 ) -> int:
-    """Fill `record` and `reached_s`; returns the number of steps, or 0 if they did not suffice."""
-    target, frame = np.zeros((3, 3)), np.zeros((2, 3))
-    target[0] = curves[0, 0]
+    """Fill `record` and `reached_s`; returns the number of steps, or 0 if they did not suffice.
+
+    `target` (3, 3), zero, and `frame` (ROWS, 3) are room to work in.
+    """
+    for k in range(3):
+        target[0, k] = curves[0, 0, k]
     leg, u, speed = 0, 0.0, 0.0
     for i in range(len(record)):
-        record[i, :6] = state[:6]
-        record[i, 6:9] = target[0]
-        record[i, 9] = np.hypot(state[THRUST], state[THRUST + 1])
+        note(record[i], state, target)
         if leg == len(curves):
             return i + 1
         step = clock_step(state, target, parameters, dt_s) * dt_s / _SUBSTEPS
         follow_step(state, target, parameters, wind[0], wind[1], dt_s)
-        end = curves[leg, 0] + curves[leg, 1] + curves[leg, 2] + curves[leg, 3]
+        for k in range(3):
+            frame[END, k] = 0.0
+            for power in range(4):
+                frame[END, k] += curves[leg, power, k]
         for _ in range(_SUBSTEPS):
             if u >= 1.0:
                 break
-            size, most, accel = _allowed(curves[leg], u, limits, end, end_speeds[leg], frame)
+            size, most, accel = _allowed(curves[leg], u, limits, frame[END], end_speeds[leg], frame)
             ahead = speed * step
             speed = min(max(most, speed - accel * step), speed + accel * step)
-            target[0], target[1] = frame[0], speed * frame[1]
-            if size > 1e-6:
-                u += ahead / size
-            else:
-                second = 2 * curves[leg, 2] + 6 * u * curves[leg, 3]
-                u += math.sqrt(2.0 * ahead / math.sqrt(np.sum(second * second)))
+            for k in range(3):
+                target[0, k], target[1, k] = frame[PLACE, k], speed * frame[DIRECTION, k]
+            u += ahead / size if size > 1e-6 else math.sqrt(2.0 * ahead / _length(frame[SECOND]))
         if u >= 1.0:
-            away = end - state[:3]
             if leg + 1 == len(curves):
-                target[0], target[1] = end, 0.0
-            if leg + 1 < len(curves) or np.sqrt(np.sum(away * away)) <= radius_m:
+                for k in range(3):
+                    target[0, k], target[1, k] = frame[END, k], 0.0
+            if leg + 1 < len(curves) or distance(state, frame[END]) <= radius_m:
                 leg, u = leg + 1, 0.0
                 reached_s[leg] = (i + 1) * dt_s
     return 0

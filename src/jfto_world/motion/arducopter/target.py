@@ -41,7 +41,8 @@ class TargetTrack:
         """Position, velocity and acceleration at the given times, each (T, 3)."""
         times = np.atleast_1d(np.asarray(times_s, dtype=np.float64))
         out = np.zeros((len(times), 3, 3))
-        sample_target(self.points_m, self.legs, self.begin_s, times, out)
+        last = np.searchsorted(self.begin_s, times, side="right") - 1
+        sample_target(self.points_m, self.legs, self.begin_s, times, last, out)
         return out[:, 0], out[:, 1], out[:, 2]
 
     def positions(self, times_s: Array) -> Array:

@@ -11,7 +11,7 @@ import numpy as np
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.types import Array
 from jfto_world.motion.arducopter.closed_loop import Flight, fly_route
-from jfto_world.motion.arducopter.leg_profile import fill_leg_times, planner_limits
+from jfto_world.motion.arducopter.leg_profile import COLUMNS, fill_leg_times, planner_limits
 from jfto_world.motion.arducopter.takeoff import takeoff_height_m, takeoff_s
 from jfto_world.motion.arducopter.target import TargetTrack, plan_target
 from jfto_world.motion.arducopter.wpnav import Airframe, WpNav
@@ -91,7 +91,7 @@ class ArduCopter:
         points = np.ascontiguousarray(points_m, dtype=np.float64)
         out = np.zeros((len(points), len(points)))
         limits_row = planner_limits(self.wpnav.within(limits))
-        fill_leg_times(points, limits_row, self.hold_s > 0, out)
+        fill_leg_times(points, limits_row, self.hold_s > 0, np.zeros((2, COLUMNS)), out)
         extra = self.hold_s
         if self.closed_loop:
             extra += _LAG_STOP_S if self.hold_s > 0 else _LAG_FLY_S
