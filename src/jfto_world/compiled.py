@@ -59,14 +59,6 @@ def kernel(function: Function) -> Any:
     return dispatcher
 
 
-def allocating_kernel(function: Function) -> Any:
-    """A kernel that allocates arrays itself, whose inner functions are kernels too."""
-    dispatcher = numba.njit(nogil=True)(function)
-    keep_compiled(dispatcher)
-    kernels.append(dispatcher)
-    return dispatcher
-
-
 def inner(function: Function) -> Any:
     """Compile a function that only kernels and other inner functions can call."""
     return _Inner(function, targetoptions={**_OPTIONS, **_WITHOUT_WRAPPERS})

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.types import Array
-from jfto_planner.smoothing.kernels import ACCEL, JERK
+from jfto_planner.smoothing.kernel.segment import ACCEL, JERK
+from jfto_planner.smoothing.kernel.spline import Stretch, shortest_durations
 from jfto_planner.smoothing.route_solver import RouteSolver
-from jfto_planner.smoothing.spline_solver import shortest_durations
 
 _TIGHT = 0.6  # share of a leg that knots take up from which it counts as short
 
@@ -87,15 +87,24 @@ def _splined(
     given = np.diff(times[kept])
     size = np.linalg.norm(np.diff([states[k][0] for k in kept], axis=0), axis=1)
     for spans in (given, 0.7 * given, 0.5 * _stopped_s(size, solver)):
-        found = np.array([states[k] for k in kept])
         fixed = np.zeros(len(kept), dtype=np.bool_)
         fixed[[0, -1]] = True
-        cap = np.array([solver.cap[joints[k]] if joints[k] >= 0 else np.inf for k in kept])
-        if not shortest_durations(found, fixed, cap, corridor, solver.lim, spans):
+        stretch = Stretch(
+            states=np.array([states[k] for k in kept]),
+            durations=spans,
+            fixed=fixed,
+            cap=np.array([solver.cap[joints[k]] if joints[k] >= 0 else np.inf for k in kept]),
+            lim=solver.lim,
+            corridor=corridor,
+            band=np.empty((2 * len(kept), 4)),
+            right=np.empty((2 * len(kept), 3)),
+            control=np.empty((6, 3)),
+        )
+        if not shortest_durations(stretch):
             continue
         total = float(np.sum(spans))
         if total < times[-1] and (best is None or total < best[0]):
-            best = (total, found, spans)
+            best = (total, stretch.states, spans)
     if best is None:
         return None
     return Chain(best[1], best[2], np.array([joints[k] for k in kept], dtype=np.intp))

@@ -6,23 +6,24 @@ import numpy as np
 
 from jfto_msgs_py.errors import InfeasibleError
 from jfto_msgs_py.types import Array, Flags
-from jfto_planner.smoothing.kernels import ACCEL, JERK, joint_time, leg_limit, solve_joint
+from jfto_planner.smoothing.kernel.joint import Route, fix_joint, leg_limit, new_joint, solve_joint
+from jfto_planner.smoothing.kernel.segment import ACCEL, JERK
 
-_COARSE, _MIDDLE, _FINE = 14, 60, 256  # samples per segment: search, repair, final
+_COARSE, _MIDDLE = 14, 60  # samples per segment: search, repair
 _SLOWER, _FASTER = 0.8, 1.25
 
 
 class RouteSolver:
     """Joints of a route of M distinct consecutive points, improved in place.
 
-    `pars` (M, 5), `states` (M, 3, 3, 3) and `durations` (M, 2) as in `joint_time`; `speeds`
-    (M - 1,) cruise speed wanted on each leg. Where no pass fits the corridor, `stop` is set.
+    `pars` (M, 5), `states` (M, 3, 3, 3), `durations` (M, 2) and `speeds` (M - 1,) as in `Route`.
+    Where no pass fits the corridor, `stop` is set.
     """
 
     def __init__(self, points: Array, stop: Flags, cap: Array, lim: Array, corridor: float) -> None:
         count = len(points)
         self.points, self.stop, self.cap = points, stop.copy(), cap
-        self.lim, self.corridor = lim, corridor
+        self.lim = lim
         step = np.diff(points, axis=0)
         self.length = np.linalg.norm(step, axis=1)
         unit = step / self.length[:, None]
@@ -32,9 +33,12 @@ class RouteSolver:
         )
         self.pars, self.frames = np.zeros((count, 5)), np.zeros((count, 5, 3))
         self.states, self.durations = np.zeros((count, 3, 3, 3)), np.zeros((count, 2))
-        self.times = np.full(count, np.inf)
         for k in range(count):
             self._set_frame(k, unit)
+        self._route = Route(
+            points, self.stop, cap, lim, corridor, self.speeds, self.pars, self.frames,
+            self.states, self.durations, new_joint(),
+        )  # fmt: skip
 
     def _ramp_s(self, speed: float) -> float:
         """Duration of a speed-up from rest: velocity 3 s² - 2 s³ of the final speed."""
@@ -70,10 +74,7 @@ class RouteSolver:
                 self.states[k, 2 * side, 0] = self.points[k] + sign * reach * unit[leg]
 
     def _solve(self, k: int, full: bool, samples: int = _COARSE) -> float:
-        return solve_joint(
-            k, full, samples, self.points, self.stop, self.cap, self.speeds, self.corridor,
-            self.lim, self.pars, self.frames, self.states, self.durations,
-        )  # fmt: skip
+        return solve_joint(self._route, k, full, samples)
 
     def run(self, sweeps: int) -> None:
         """Search all joints, then improve speeds and joints `sweeps` times, then settle."""
@@ -151,7 +152,7 @@ class RouteSolver:
         tries = np.zeros(count, dtype=np.intp)
         waiting = list(range(count))
         while waiting:
-            failed = [k for k in waiting if not self._fix(k)]
+            failed = [k for k in waiting if not fix_joint(self._route, k) < np.inf]
             again: set[int] = set()
             for k in failed:
                 tries[k] += 1
@@ -164,18 +165,6 @@ class RouteSolver:
             if failed and tries.max() > 40:
                 raise _no_curve(int(np.argmax(tries)))
             waiting = sorted(again & set(range(count)))
-
-    def _fix(self, k: int) -> bool:
-        ends, pace = np.zeros((2, 3)), np.zeros(2)
-        if k > 0:
-            ends[0], pace[0] = self.states[k - 1, 2, 0], self.speeds[k - 1]
-        if k < len(self.speeds):
-            ends[1], pace[1] = self.states[k + 1, 0, 0], self.speeds[k]
-        time = joint_time(
-            self.pars[k], self.frames[k], ends, pace, self.stop[k], self.cap[k],
-            self.corridor, self.lim, _FINE, np.inf, self.states[k], self.durations[k],
-        )  # fmt: skip
-        return bool(time < np.inf)
 
 
 def _no_curve(k: int) -> InfeasibleError:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.types import Array
 from jfto_planner.smoothing.chain import Chain, chain_of, shorten
-from jfto_planner.smoothing.kernels import control_points
+from jfto_planner.smoothing.kernel.segment import control_points
 from jfto_planner.smoothing.limits import CurveLimits
 from jfto_planner.smoothing.route_solver import RouteSolver
 from jfto_planner.smoothing.trajectory import Trajectory
