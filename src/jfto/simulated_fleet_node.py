@@ -1,36 +1,47 @@
 """Simulated vehicles in the graph, with the air between them: they fly by MAVLink.
 
-Their time is the graph's.
+Their time is the graph's, and waits for it.
 """
 
 from __future__ import annotations
 
+import struct
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+from geometry_msgs.msg import PoseStamped
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.time import Time
 from rosgraph_msgs.msg import Clock as ClockMessage
-from std_msgs.msg import Float64MultiArray
+from std_msgs.msg import Float64MultiArray, Header
 
 from jfto.simulated_air import fleet_air, hesitations_s
 from jfto.simulated_fleet import FleetTime, grounds, pads, vehicle_configs
 from jfto.simulated_fleet_options import SimulatedFleetOptions
+from jfto.simulated_pace import FleetPace, PacedFlight, PaceSettings
 from jfto_msgs_py.errors import InputError, PlanError
 from jfto_msgs_py.plan_file import read_plan
+from jfto_msgs_py.records.event import INFO, Event
+from jfto_msgs_py.records.event import WARN as WARNED
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.air import ARRAY_OF_TOPIC, encode_air
 from jfto_msgs_py.ros.diagnostics import OK, WARN, Status
 from jfto_msgs_py.ros.graph_node import GraphNode
 from jfto_msgs_py.ros.opening import Opening
+from jfto_msgs_py.ros.stamps import decode_time
 from jfto_msgs_py.scenario import Scenario
 from jfto_sim.motion.waypoint_nav import warm_up
 from jfto_sim.server import ServerSettings, SimServer
 from jfto_world.terrain import Dem
+
+# Where the stamp of a serialized message is that begins with a header: after the encoding's mark.
+_STAMP = struct.Struct("<iI")
+_STAMP_AT = 4
 
 
 class SimulatedFleetNode(GraphNode[SimulatedFleetOptions]):
@@ -58,6 +69,7 @@ class SimulatedFleetNode(GraphNode[SimulatedFleetOptions]):
         self._scenario, self._options = scenario, options
         self._fleet_time = FleetTime(options.speedup, options.start_time_s)
         self._last_ns = 0
+        self._make_pace()
         self._ticks = self.create_lifecycle_publisher(ClockMessage, topics.CLOCK, qos.clock())
         self._air = {
             topic: self.create_lifecycle_publisher(Float64MultiArray, topic, qos.default())
@@ -67,6 +79,26 @@ class SimulatedFleetNode(GraphNode[SimulatedFleetOptions]):
         self.create_timer(
             1 / options.clock_rate_hz, self._tick, clock=Clock(clock_type=ClockType.STEADY_TIME)
         )
+
+    def _make_pace(self) -> None:
+        """What the graph reports of its time: nodes on a topic of their own, vehicles by poses."""
+        self._pace = FleetPace(PaceSettings(patience_s=self._options.patience_s))
+        self._given_up: frozenset[str] = frozenset()
+        self._flight: PacedFlight | None = None
+        if not self._options.patience_s:
+            return
+        self.create_subscription(Header, topics.CLOCK_TAKEN, self._on_report, qos.reports())
+        for uav in self._scenario.fleet.ids:
+            on_pose = partial(self._on_pose, uav)
+            self.create_subscription(PoseStamped, topics.pose(uav), on_pose, qos.sensor(), raw=True)
+
+    def _on_report(self, message: Any) -> None:
+        if message.frame_id != self.get_name():
+            self._pace.node_at(message.frame_id, decode_time(message.stamp, "stamp"))
+
+    def _on_pose(self, uav: str, data: bytes) -> None:
+        seconds, nanoseconds = _STAMP.unpack_from(data, _STAMP_AT)
+        self._pace.pose_at(uav, seconds * 10**9 + nanoseconds)
 
     def activated(self) -> None:
         """Power the vehicles up as soon as there is a plan."""
@@ -106,11 +138,33 @@ class SimulatedFleetNode(GraphNode[SimulatedFleetOptions]):
             options.faults,
             options.control_port or None,
         )
-        server = stack.enter_context(SimServer(configs, settings, fleet_air(plan, errors, dem)))
+        names = {config.sysid: uav.id for config, uav in zip(configs, plan.uavs, strict=True)}
+        pace = partial(self._grant, names) if options.patience_s else None
+        air = fleet_air(plan, errors, dem)
+        server = stack.enter_context(SimServer(configs, settings, air, pace))
         self._fleet_time.follow(server, boot_ns)
         count, endpoint = len(configs), options.endpoint
         self.get_logger().info(f"{count} vehicles on their pads send to {endpoint}")
         return server
+
+    def _grant(self, names: dict[int, str], server: SimServer, passed_s: float) -> float:
+        """By how much the vehicles' time may go on; called in their thread."""
+        sent_ns = {names[number]: one.position_ns for number, one in server.stations.items()}
+        now_ns, wall_s = self._fleet_time.now_ns(), time.monotonic()
+        self._flight = self._pace.look(now_ns, wall_s, flying=server.armed) or self._flight
+        return self._pace.grant(now_ns, sent_ns, wall_s, passed_s)
+
+    def _tell_pace(self) -> None:
+        """Tell for whom nobody waits any more, and in the end how fast the flight was."""
+        given_up, before = self._pace.given_up, self._given_up
+        self._given_up = given_up
+        for name in given_up - before:
+            patience = f"{self._options.patience_s:g} s"
+            text = f"{name} did not come on in {patience}: the vehicles' time goes on at real time."
+            self.announce(Event(WARNED, "pace", "", text))
+        flight, self._flight = self._flight, None
+        if flight is not None:
+            self.announce(Event(INFO, "pace", "", _summary(flight, self._options.speedup)))
 
     def _say(self, note: str) -> None:
         self.get_logger().warning(f"No vehicles: {note}")
@@ -121,6 +175,7 @@ class SimulatedFleetNode(GraphNode[SimulatedFleetOptions]):
         self._last_ns = max(self._last_ns, self._fleet_time.now_ns())
         self._ticks.publish(ClockMessage(clock=Time(nanoseconds=self._last_ns).to_msg()))
         self._tell_air()
+        self._tell_pace()
 
     def _tell_air(self) -> None:
         """Publish the last report of the air, once."""
@@ -142,4 +197,26 @@ class SimulatedFleetNode(GraphNode[SimulatedFleetOptions]):
             note = "not active" if link is None else link.note
             return [Status("", WARN, f"no vehicles: {note}", facts)]
         count = len(link.opened.stations)
+        if self._given_up:
+            self._forget_the_gone()
+            names = ", ".join(sorted(self._given_up))
+            return [Status("", WARN, f"{count} vehicles, not waiting for {names}", facts)]
         return [Status("", OK, f"{count} vehicles", facts)]
+
+    def _forget_the_gone(self) -> None:
+        """Whoever reports no more since it has left the graph is no reason to be slow."""
+        reporting = {
+            each.node_name for each in self.get_publishers_info_by_topic(topics.CLOCK_TAKEN)
+        }
+        for name in self._given_up - reporting:
+            self._pace.forget(name)
+
+
+def _summary(flight: PacedFlight, asked: float) -> str:
+    """How fast a flight was, and for whom it waited."""
+    text = f"The vehicles' time passed ×{flight.speed:.1f} of {asked:g} asked"
+    if not flight.waited_s:
+        return f"{text}; it waited for nobody."
+    longest = sorted(flight.waited_s.items(), key=lambda each: -each[1])
+    waits = ", ".join(f"{name} {waited_s:.1f} s" for name, waited_s in longest[:3])
+    return f"{text}; it waited for {waits}."

@@ -16,11 +16,20 @@ class SimulatedFleetOptions:
     endpoint: str = param(
         "udpto:127.0.0.1:14550", "Where all of them send MAVLink to: the bridge's link."
     )
-    speedup: float = param(1.0, "How much faster than the wall clock.", low=0.1, high=50.0)
+    speedup: float = param(
+        1.0, "How much faster than the wall clock, where the graph keeps up.", low=0.1, high=50.0
+    )
     start_time_s: float = param(
         0.0,
         "Wall time, seconds since the epoch, at which their time was the same; 0: at start. One "
         "that is kept makes their time go on over a restart.",
+        unit="s",
+        low=0.0,
+    )
+    patience_s: float = param(
+        10.0,
+        "For so long their time waits for a node, or a pose, that falls behind; then it goes on at "
+        "real time. 0: it waits for nobody.",
         unit="s",
         low=0.0,
     )

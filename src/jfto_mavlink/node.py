@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -301,7 +302,8 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
             identity = operation.link.station.tracks[uav].identity
             conflict = identity.conflict or identity.wrong_vehicle
             expected = Expected(
-                operation.plan.slots.duration_s / 4,
+                # Vehicles that stamp what they report need not be compared with anybody's clock.
+                math.inf if self._options.vehicle_stamps else operation.plan.slots.duration_s / 4,
                 conflict or self._trouble.get(uav, ""),
                 operation.orders.streaming(uav),
             )

@@ -17,7 +17,10 @@ from jfto_msgs_py.ros.stamps import encode_time
 
 @dataclass(frozen=True)
 class Expected:
-    """`clock_error_max_s` is a quarter slot; `trouble` and `stream` are words of others."""
+    """`clock_error_max_s` is a quarter slot, or infinite where the vehicle's clock is the graph's.
+
+    `trouble` and `stream` are words of others.
+    """
 
     clock_error_max_s: float
     trouble: str = ""

@@ -6,6 +6,7 @@ import socket
 from collections.abc import Sequence
 
 from jfto_msgs_py.errors import InputError, JftoError
+from jfto_sim.dialect import mavlink
 from jfto_sim.faults import LinkFaults, LossyPipe
 from jfto_sim.vehicle import Vehicle
 
@@ -193,8 +194,24 @@ def open_endpoint(text: str) -> Endpoint:
         ) from error
 
 
+# Length of a frame's header, by its first byte.
+_HEADER_BYTES = {mavlink.PROTOCOL_MARKER_V1: 6, mavlink.PROTOCOL_MARKER_V2: 10}
+
+
+def position_ms(frame: bytes) -> int | None:
+    """The vehicle's time since power-up in a position that it sends, ms; None in other frames."""
+    header = _HEADER_BYTES[frame[0]]
+    number = frame[5:6] if frame[0] == mavlink.PROTOCOL_MARKER_V1 else frame[7:10]
+    if int.from_bytes(number, "little") != mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT:
+        return None
+    return int.from_bytes(frame[header : header + 4], "little")
+
+
 class Station:
-    """One vehicle with its endpoints (texts as of `open_endpoint`) and both directions of each."""
+    """One vehicle with its endpoints (texts as of `open_endpoint`) and both directions of each.
+
+    `position_ns` is when the newest position that has left it was true, by its UTC; 0 before.
+    """
 
     def __init__(self, vehicle: Vehicle, endpoints: Sequence[str], seed: int) -> None:
         if len(endpoints) > len(vehicle.ports):
@@ -202,6 +219,7 @@ class Station:
                 f"Vehicle {vehicle.sysid} has {len(vehicle.ports)} ports, not {len(endpoints)}."
             )
         self.vehicle = vehicle
+        self.position_ns = 0
         self.endpoints: list[Endpoint] = []
         try:
             for text in endpoints:
@@ -246,6 +264,9 @@ class Station:
         for k, endpoint in enumerate(self.endpoints):
             for frame in self.links[k]["from"].take(vehicle.total_s):
                 endpoint.send(frame)
+                at_ms = position_ms(frame)
+                if at_ms is not None:
+                    self.position_ns = (vehicle.clock.utc_at_boot_us + 1000 * at_ms) * 1000
             if vehicle.boots != boots:
                 endpoint.drop()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import selectors
 import socket
 import threading
@@ -47,7 +48,9 @@ def default_endpoints(count: int, host: str = "127.0.0.1") -> tuple[tuple[str, .
 class SimServer:
     """Runs vehicles in one thread of its own; everything else talks to them through `call`.
 
-    `air`, where given, lies between the radios of all vehicles in their order.
+    `air`, where given, lies between the radios of all vehicles in their order. `pace`, where given,
+    is asked before each step, in the server's thread, with the seconds that have passed since the
+    last one: by how many seconds the vehicles' time may go on, however fast it is to pass.
     """
 
     def __init__(
@@ -55,6 +58,7 @@ class SimServer:
         configs: Sequence[VehicleConfig],
         settings: ServerSettings,
         air: FleetAir | None = None,
+        pace: Callable[[SimServer, float], float] | None = None,
     ) -> None:
         if not settings.speedup > 0:
             raise InputError(f"speedup is {settings.speedup}, must be positive.")
@@ -64,6 +68,7 @@ class SimServer:
             )
         self.settings = settings
         self.air = air
+        self._pace = pace
         self.stations: dict[int, Station] = {}
         self._calls: SimpleQueue[tuple[Callable[[], Any], Future[Any]]] = SimpleQueue()
         self._stop = threading.Event()
@@ -104,6 +109,12 @@ class SimServer:
         """Seconds of the vehicles' time since they were made, restarts included."""
         return max(station.vehicle.total_s for station in self.stations.values())
 
+    @property
+    def armed(self) -> bool:
+        """Whether a vehicle is armed."""
+        vehicles = (station.vehicle for station in self.stations.values())
+        return any(vehicle.flight.motors.armed and not vehicle.dead for vehicle in vehicles)
+
     def run(self) -> None:
         """Serve until `stop`; blocks."""
         before = time.monotonic()
@@ -114,9 +125,10 @@ class SimServer:
                 elapsed, before = now - before, now
                 self._run_calls()
                 self._read_control()
+                most_s = math.inf if self._pace is None else self._pace(self, elapsed)
                 for station in self.stations.values():
                     speed = max(station.vehicle.params["SIM_SPEEDUP"], 0.01)
-                    station.step(min(elapsed * speed, _STEP_MAX_S * speed))
+                    station.step(min(elapsed * speed, _STEP_MAX_S * speed, most_s))
                 if self.air is not None:
                     self.air.step([station.vehicle for station in self.stations.values()])
         finally:

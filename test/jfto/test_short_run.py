@@ -1,11 +1,19 @@
-"""The whole job in short: three UAVs planned, flown at ten times real time, recorded, judged."""
+"""The whole job in short: three UAVs planned, flown at ten times real time, recorded, judged.
+
+On a computer that has no time to spare: other programs take all cores, and a node stands still for
+seconds. The vehicles' time waits, so what is flown is the same.
+"""
 
 from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +29,34 @@ SCENE = ROOT / "test" / "data" / "scenario" / "short_flight.yaml"
 LIMIT_S = 900.0
 
 
+# Longer than the vehicles' time may be ahead of a node, and shorter than it is waited for.
+STOPPED_S = 3.0
+
+
+@contextmanager
+def busy_computer() -> Iterator[None]:
+    """Two programs that do nothing but take time."""
+    programs = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(2)]
+    try:
+        yield
+    finally:
+        for program in programs:
+            program.kill()
+            program.wait()
+
+
+def stop_for_a_while(name: str, directory: Path, flight: subprocess.Popen) -> None:
+    """Let a node's process stand still in mid-flight."""
+    state, tick = directory / "flight_state.json", threading.Event()
+    while not (state.exists() and json.loads(state.read_text())["lift_off_ns"]):
+        assert flight.poll() is None
+        tick.wait(0.2)
+    pid = json.loads((directory / "status.json").read_text())[name]["pid"]
+    os.kill(pid, signal.SIGSTOP)
+    tick.wait(STOPPED_S)
+    os.kill(pid, signal.SIGCONT)
+
+
 @pytest.fixture(scope="module")
 def flown(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
     """Directory and printed facts of one run of the short scene."""
@@ -32,16 +68,33 @@ def flown(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any
         "ROS_DOMAIN_ID": str(os.getpid() % 100 + 1),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
     }
-    done = subprocess.run(
-        [*command, "--speedup", "10"],
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=LIMIT_S,
-        check=False,
-    )
-    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
-    return directory, json.loads(done.stdout)
+    with busy_computer():
+        flight = subprocess.Popen(
+            [*command, "--speedup", "10"],
+            env=environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        try:
+            stop_for_a_while("topology_node", directory, flight)
+            stdout, stderr = flight.communicate(timeout=LIMIT_S)
+        finally:
+            flight.kill()
+    assert flight.returncode == 0, stdout[-2000:] + stderr[-2000:]
+    return directory, json.loads(stdout)
+
+
+def test_a_busy_computer_makes_it_slower_and_nothing_else(flown) -> None:
+    """No pose is stale, no slot is late and no node is in trouble; how fast it was is said."""
+    directory, facts = flown
+    flight = json.loads((directory / "flight.json").read_text())
+    assert [one for one in flight["events"] if one["level"] >= 30] == []
+    assert [one for one in flight["troubles"] if one["to_s"] > 0] == []
+    (told,) = [one["text"] for one in flight["events"] if one["kind"] == "pace"]
+    assert "of 10 asked; it waited for" in told
+    assert "topology_node" in told
+    assert facts["flight"]["speedup"] < 9.5
 
 
 def test_the_run_ends_well_with_everything_in_its_directory(flown) -> None:
@@ -78,16 +131,12 @@ def test_the_bag_replays_to_the_same_topology_and_powers(flown) -> None:
     """The recorded poses through the real nodes again: links equal, powers within 0.25 dB.
 
     Where slots begin depends on the order in which poses and the clock came: 30 ms are a quarter
-    of a metre, which a link of 10 m feels by 0.2 dB. A pose that a busy computer held up in flight
-    may have left its UAV out of a slot: one slot in ten may differ, and four for each time that the
-    topology said so.
+    of a metre, which a link of 10 m feels by 0.2 dB; one slot in ten may differ.
     """
     bag = flown[0] / "bag"
-    events = json.loads((flown[0] / "flight.json").read_text())["events"]
-    held_up = sum(one["kind"] == "stale" and one["level"] >= 30 for one in events)
     replay = replay_bag(Bag(bag), ["topology", "power"], bag / "parameters.yaml", 0.25)
     by_topic = {each.topic: each for each in replay.comparisons}
     for topic in (topics.ADJACENCY, topics.POWER_INTERVAL, topics.POWER_SCHEDULE):
         assert by_topic[topic].compared >= 12
-        allowed = 0.1 * by_topic[topic].compared + 4 * held_up
+        allowed = 0.1 * by_topic[topic].compared
         assert len(by_topic[topic].problems) <= allowed, by_topic[topic].problems

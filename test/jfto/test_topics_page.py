@@ -40,8 +40,9 @@ def test_the_table_is_what_the_graph_offers() -> None:
         look = graph.observer
         graph.until(lambda: set(OURS) <= set(look.get_node_names()))
         listed = set()
-        # Every node listens to a clock, and the ground is drawn only where it is asked for.
-        for topic in [each for each in TOPICS if each.name not in (topics.CLOCK, topics.TERRAIN)]:
+        # Every node listens to a clock and reports simulated time; the ground is drawn where asked.
+        others = (topics.CLOCK, topics.CLOCK_TAKEN, topics.TERRAIN)
+        for topic in [each for each in TOPICS if each.name not in others]:
             for name in _names(topic.name):
                 by = {node for node in topic.by if node in OURS}
                 to = {node for node in topic.to if node in OURS}

@@ -57,6 +57,12 @@ def clients():
         client.close()
 
 
+def until(condition):
+    end = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert time.monotonic() < end
+
+
 def heartbeat():
     return m.MAVLink_heartbeat_message(6, 8, 0, 0, 0, 3)
 
@@ -94,6 +100,36 @@ def test_several_vehicles_on_one_station_socket(clients):
         while heard != {1, 2, 3}:
             heard |= {x.get_srcSystem() for x in codec.parse_buffer(station.recv(4096)) or []}
     station.close()
+
+
+def test_a_pace_holds_the_vehicles_back_and_lets_them_go():
+    """However fast they are to be, their time goes no further than it is granted."""
+    limit_s = [2.0]
+
+    def pace(server, _passed_s):
+        return max(limit_s[0] - server.elapsed_s, 0.0)
+
+    with SimServer(fleet(2), ServerSettings((UDP,) * 2, speedup=20), pace=pace) as server:
+        for limit in (2.0, 4.0):
+            limit_s[0] = limit
+            until(lambda limit=limit: server.elapsed_s > limit - 1e-6)
+            assert server.elapsed_s < limit + 1e-6
+
+
+@pytest.mark.parametrize("endpoint", [0, 1])
+def test_it_knows_the_newest_position_that_a_vehicle_has_sent(clients, endpoint):
+    """By the vehicle's UTC, in MAVLink 1 and 2, and not before somebody asked for it."""
+    with SimServer([VehicleConfig()], ServerSettings((BOTH,), speedup=10)) as server:
+        kind = socket.SOCK_STREAM if endpoint == 0 else socket.SOCK_DGRAM
+        client = clients(server.addresses(1)[endpoint], kind)
+        client.send(heartbeat())
+        client.wait("HEARTBEAT")
+        assert server.stations[1].position_ns == 0
+        client.send(m.MAVLink_command_long_message(1, 1, 511, 0, 33, 2e5, 0, 0, 0, 0, 0))
+        at_ms = client.wait("GLOBAL_POSITION_INT").time_boot_ms
+        at_ns = (VehicleConfig().utc_at_boot_us + 1000 * at_ms) * 1000
+        until(lambda: server.stations[1].position_ns >= at_ns)
+        assert (server.stations[1].position_ns - at_ns) % 1_000_000 == 0
 
 
 def test_second_tcp_client_hears_nothing(clients):

@@ -65,8 +65,6 @@ def _lift_off(options: Mapping[str, object]) -> Parameters:
 def _simulated(speedup: float, options: Mapping[str, object]) -> Vehicles:
     """A process of simulated vehicles and the bridge to it, on a port that is free now."""
     port, control = free_udp_port(), free_udp_port()
-    # A busy computer stalls a process for seconds of sped-up time.
-    patience = max(1.0, speedup / 4)
     return Vehicles(
         simulated=True,
         given={
@@ -86,7 +84,9 @@ def _simulated(speedup: float, options: Mapping[str, object]) -> Vehicles:
         },
         suited={
             **_lift_off(options),
+            # What one core carries of the fleet that is sped up.
             "mavlink_bridge": {"telemetry_rate_hz": min(10.0, max(4.0, 20.0 / speedup))},
-            "topology_node": {"stale_after_s": 3.0 * patience, "pose_wait_s": 0.2 * patience},
+            # A quarter of a second until the next position, and what their time may be ahead of it.
+            "topology_node": {"pose_wait_s": 1.0},
         },
     )

@@ -59,7 +59,7 @@ TOPICS = (
         "geometry_msgs/msg/PoseStamped",
         qos.sensor,
         (_BRIDGE, _PLAYER),
-        (_TOPOLOGY, _POWER),
+        (_TOPOLOGY, _POWER, _FLEET),
         "measured pose, frame `map`: ENU metres about the plan's origin",
     ),
     Topic(
@@ -176,7 +176,7 @@ TOPICS = (
         topics.EVENTS,
         "rcl_interfaces/msg/Log",
         qos.events,
-        (_PLANNER, _TOPOLOGY, _POWER, _RADIO, _PLAYER, _BRIDGE),
+        (_PLANNER, _TOPOLOGY, _POWER, _RADIO, _PLAYER, _BRIDGE, _FLEET),
         ("any",),
         "what happened and what was done: kind in `function`, UAV or nothing in `file`",
     ),
@@ -194,7 +194,15 @@ TOPICS = (
         qos.clock,
         (_FLEET,),
         ("all with use_sim_time",),
-        "time of the simulated vehicles, begun at the wall's and faster by `speedup`",
+        "time of the simulated vehicles, begun at the wall's and up to `speedup` times faster",
+    ),
+    Topic(
+        topics.CLOCK_TAKEN,
+        "std_msgs/msg/Header",
+        qos.reports,
+        (_PLANNER, _TOPOLOGY, _POWER, _RADIO, _PLAYER, _BRIDGE, _FLEET),
+        (_FLEET,),
+        "with use_sim_time: how far a node (`frame_id`) has come; the vehicles' time waits for it",
     ),
 )
 SERVICES = (

@@ -15,6 +15,7 @@ from rclpy.lifecycle import LifecycleNode, LifecyclePublisher, TransitionCallbac
 from jfto_msgs_py.errors import JftoError, MessageError, ScenarioError
 from jfto_msgs_py.records.event import ERROR, WARN, Event
 from jfto_msgs_py.ros import qos, topics
+from jfto_msgs_py.ros.clock_reports import ClockReports
 from jfto_msgs_py.ros.diagnostics import Status, encode_diagnostics
 from jfto_msgs_py.ros.events import EventLimit, encode_event
 from jfto_msgs_py.ros.intake import Intake
@@ -54,6 +55,7 @@ class GraphNode(LifecycleNode, Generic[Options]):
         self._parameters_of_node = NodeParameters(
             self, options_type, lambda: self.is_active, self.check
         )
+        self._clock_reports = ClockReports(self)
         self.autostart = bool(self.get_parameter("autostart").value)
 
     def check(self, scenario: Scenario, options: Options) -> None:

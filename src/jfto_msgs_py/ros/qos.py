@@ -36,6 +36,13 @@ def clock() -> Any:
     return QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
+def reports() -> Any:
+    """Best effort, volatile, depth 20: from many nodes at once, and soon followed by others."""
+    from rclpy.qos import QoSProfile, ReliabilityPolicy
+
+    return QoSProfile(depth=20, reliability=ReliabilityPolicy.BEST_EFFORT)
+
+
 def _kept(depth: int) -> Any:
     from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 

@@ -19,6 +19,7 @@ AIR_RATE = "/jfto/air/rate"
 AIR_DELIVERY = "/jfto/air/delivery"
 AIR_GAIN = "/jfto/air/gain"
 CLOCK = "/clock"
+CLOCK_TAKEN = "/clock_taken"
 REPLAN = "/jfto/planner/replan"
 _MISSION_VERBS = ("upload", "check", "start", "pause", "resume", "abort")
 MISSION_SERVICES = tuple(f"/jfto/mission/{verb}" for verb in _MISSION_VERBS)

@@ -26,7 +26,7 @@ def test_simulated_vehicles_and_their_bridge_share_link_speed_and_time(tmp_path)
     table = {row.name: row.parameters for row in graph_table(options)}
     assert "roster" not in table["mavlink_bridge"]
     assert table["mavlink_bridge"]["telemetry_rate_hz"] == 2.0
-    assert table["topology_node"]["stale_after_s"] == 6.0
+    assert table["topology_node"]["pose_wait_s"] == 1.0
     assert table["planner_node"]["await_lift_off"] is True
     commands = {node.name: list(node.command) for node in graph_commands(options)}
     assert list(commands) == [

@@ -1,0 +1,137 @@
+"""How fast simulated vehicles' time may pass, so that nobody in their graph falls behind.
+
+It knows no ROS and no clock of its own.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+NS = 1_000_000_000
+
+
+@dataclass(frozen=True)
+class PaceSettings:
+    """Seconds of the vehicles' time that they may be ahead of their graph, and what is done then.
+
+    While somebody is waited for, time creeps, so that a report that was lost is followed by
+    another. Whoever has not come on in `patience_s` of this computer's time is waited for no more;
+    until it comes on, or is gone, the vehicles keep to real time.
+    """
+
+    ahead_s: float = 0.6
+    creep: float = 0.1
+    patience_s: float = 10.0
+
+
+@dataclass
+class _Follower:
+    """Somebody in the graph: how far it has come, since when and for how long it is waited for."""
+
+    at_ns: int
+    since_s: float | None = None
+    waited_s: float = 0.0
+
+    def come_to(self, at_ns: int) -> None:
+        if at_ns != self.at_ns:
+            self.at_ns, self.since_s = at_ns, None
+
+
+@dataclass(frozen=True)
+class PacedFlight:
+    """A flight that is over: its seconds on the vehicles' clock and on this computer's.
+
+    `waited_s` says how long each node, or pose of a UAV, was waited for.
+    """
+
+    fleet_s: float
+    wall_s: float
+    waited_s: Mapping[str, float]
+
+    @property
+    def speed(self) -> float:
+        """How much faster than this computer's the vehicles' time passed."""
+        return self.fleet_s / max(self.wall_s, 1e-3)
+
+
+class FleetPace:
+    """Grants vehicles their time, by what the graph's nodes and their own poses tell of theirs.
+
+    Nodes are to follow the clock, poses the positions that their UAVs have sent. A node that never
+    reported is not waited for, nor the pose of a UAV that sends nothing. `given_up` names those who
+    are waited for no more.
+    """
+
+    def __init__(self, settings: PaceSettings | None = None) -> None:
+        self._settings = settings or PaceSettings()
+        self._nodes: dict[str, _Follower] = {}
+        self._poses: dict[str, _Follower] = {}
+        # Vehicles' and computer's time when the flight began that is on.
+        self._begun: tuple[int, float] | None = None
+        self.given_up: frozenset[str] = frozenset()
+
+    def node_at(self, name: str, at_ns: int) -> None:
+        """A node has come so far, ns since the epoch."""
+        self._nodes.setdefault(name, _Follower(at_ns)).come_to(at_ns)
+
+    def pose_at(self, uav: str, at_ns: int) -> None:
+        """The newest pose of a UAV was measured then, ns since the epoch."""
+        self._poses.setdefault(uav, _Follower(at_ns)).come_to(at_ns)
+
+    def forget(self, name: str) -> None:
+        """A node is gone: nobody waits for it."""
+        self._nodes.pop(name, None)
+
+    def grant(
+        self, now_ns: int, sent_ns: Mapping[str, int], wall_s: float, passed_s: float
+    ) -> float:
+        """Seconds by which the vehicles' time may go on; infinite: as they like.
+
+        `now_ns` is their time and `sent_ns` that of the newest position that each UAV has sent;
+        `wall_s` is this computer's, of which `passed_s` have passed since the last call.
+        """
+        # Copies: reports come in another thread.
+        behind_ns = [(name, one, now_ns - one.at_ns) for name, one in tuple(self._nodes.items())]
+        behind_ns += [
+            (_pose_of(uav), one, sent_ns.get(uav, 0) - one.at_ns)
+            for uav, one in tuple(self._poses.items())
+        ]
+        given_up, least_s, waiting = set(), math.inf, False
+        for name, one, late_ns in behind_ns:
+            room_s = self._settings.ahead_s - late_ns / NS
+            if room_s > 0:
+                one.since_s = None
+                # Who has answered everything may be sent more.
+                least_s = min(least_s, room_s) if late_ns > 0 else least_s
+                continue
+            one.since_s = wall_s if one.since_s is None else one.since_s
+            if wall_s - one.since_s > self._settings.patience_s:
+                given_up.add(name)
+            else:
+                one.waited_s += passed_s
+                waiting = True
+        self.given_up = frozenset(given_up)
+        if waiting:
+            return self._settings.creep * passed_s
+        return min(least_s, passed_s) if given_up else least_s
+
+    def look(self, now_ns: int, wall_s: float, *, flying: bool) -> PacedFlight | None:
+        """Take note of whether somebody flies; returns the flight that has just ended, if any."""
+        begun = self._begun
+        if flying == (begun is not None):
+            return None
+        everybody = {**self._nodes, **{_pose_of(uav): one for uav, one in self._poses.items()}}
+        waited_s = {name: one.waited_s for name, one in everybody.items() if one.waited_s}
+        for one in everybody.values():
+            one.waited_s = 0.0
+        if begun is None:
+            self._begun = (now_ns, wall_s)
+            return None
+        self._begun = None
+        return PacedFlight((now_ns - begun[0]) / NS, wall_s - begun[1], waited_s)
+
+
+def _pose_of(uav: str) -> str:
+    return f"{uav}'s poses"
