@@ -6,15 +6,15 @@ import csv
 import io
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from jfto.analysis.comparison import ALGORITHMS, AlgorithmResult, Comparison, LinkMetrics
-from jfto.analysis.paper import PAPER, PaperRow
+from jfto.analysis.comparison import Comparison, LinkMetrics
+from jfto.analysis.paper import PAPER
 from jfto_msgs_py.certificate import Certificate
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.files import write_file
@@ -47,7 +47,6 @@ def plain(value: object, digits: int | None = None) -> Any:
 
 def comparison_object(plan: Plan, comparison: Comparison, scene: str) -> dict[str, Any]:
     """The comparison as plain values; `inf` is written as null."""
-    theirs = PAPER.get(scene, {})
     algorithms = {
         result.name: {
             "traverses_all": result.traverses_all,
@@ -57,7 +56,7 @@ def comparison_object(plan: Plan, comparison: Comparison, scene: str) -> dict[st
             "degree_mean": result.degree.mean(),
             "degree_max": result.degree.max(),
             "energy_j": result.energy_j,
-            "paper": _paper_object(theirs.get(result.name)),
+            "paper": _paper(scene, result.name) if scene in PAPER else None,
         }
         for result in comparison.results
     }
@@ -83,134 +82,63 @@ def _links_object(links: LinkMetrics) -> dict[str, float]:
     }
 
 
-def _paper_object(row: PaperRow | None) -> dict[str, Any] | None:
-    if row is None:
-        return None
-    return {
-        "traverses_all": row.traverses_all,
-        "connectivity_rate": row.connectivity_rate,
-        "throughput_mbps": row.throughput,
-        "hops": row.hops,
-    }
-
-
-def comparison_csv(rows: list[tuple[str, Comparison]]) -> str:
+def comparison_csv(rows: Sequence[tuple[str, Comparison]]) -> str:
     """One line per scene and algorithm, ours and the paper's."""
-    table = io.StringIO()
-    writer = csv.writer(table, lineterminator="\n")
-    writer.writerow(
+    return _csv(
         [
-            "scene",
-            "algorithm",
-            "traverses_all",
-            "connectivity_rate",
-            "throughput_mbps",
-            "hops",
-            "degree_min",
-            "degree_mean",
-            "degree_max",
-            "energy_j",
-            "paper_traverses_all",
-            "paper_connectivity_rate",
-            "paper_throughput_mbps",
-            "paper_hops",
+            {
+                "scene": scene,
+                "algorithm": result.name,
+                "traverses_all": result.traverses_all,
+                "connectivity_rate": f"{result.linked.connectivity_rate:.6f}",
+                "throughput_mbps": f"{result.linked.mean_throughput_mbps:.3f}",
+                "hops": f"{result.linked.hops:.4f}",
+                "degree_min": result.degree.min(),
+                "degree_mean": f"{result.degree.mean():.4f}",
+                "degree_max": result.degree.max(),
+                "energy_j": f"{result.energy_j.sum():.3f}",
+                **{f"paper_{name}": value for name, value in _paper(scene, result.name).items()},
+            }
+            for scene, comparison in rows
+            for result in comparison.results
         ]
     )
-    for scene, comparison in rows:
-        for result in comparison.results:
-            paper = PAPER.get(scene, {}).get(result.name)
-            theirs: list[object] = ["", "", "", ""]
-            if paper is not None:
-                hops = "" if paper.hops is None else paper.hops
-                theirs = [paper.traverses_all, paper.connectivity_rate, paper.throughput, hops]
-            writer.writerow(
-                [
-                    scene,
-                    result.name,
-                    result.traverses_all,
-                    f"{result.linked.connectivity_rate:.6f}",
-                    f"{result.linked.mean_throughput_mbps:.3f}",
-                    f"{result.linked.hops:.4f}",
-                    result.degree.min(),
-                    f"{result.degree.mean():.4f}",
-                    result.degree.max(),
-                    f"{result.energy_j.sum():.3f}",
-                    *theirs,
-                ]
-            )
-    return table.getvalue()
 
 
 def slots_csv(plan: Plan, comparison: Comparison) -> str:
     """One line per slot: time, then throughput and degrees of every algorithm."""
-    table = io.StringIO()
-    writer = csv.writer(table, lineterminator="\n")
-    columns = ("throughput_mbps", "degree_min", "degree_mean", "degree_max")
-    writer.writerow(
-        [
-            "slot",
-            "time_s",
-            *(f"{r.name} {column}" for r in comparison.results for column in columns),
-        ]
-    )
+    rows: list[dict[str, object]] = []
     for slot, time in enumerate(plan.slots.times_s):
-        row: list[object] = [slot, f"{time:.3f}"]
+        rows.append({"slot": slot, "time_s": f"{time:.3f}"})
         for result in comparison.results:
-            degree = result.degree[slot]
-            row += [
-                f"{result.linked.throughput_bps[slot] / 1e6:.3f}",
-                degree.min(),
-                f"{degree.mean():.3f}",
-                degree.max(),
-            ]
-        writer.writerow(row)
+            degree, throughput = result.degree[slot], result.linked.throughput_bps[slot] / 1e6
+            rows[-1] |= {
+                f"{result.name} throughput_mbps": f"{throughput:.3f}",
+                f"{result.name} degree_min": degree.min(),
+                f"{result.name} degree_mean": f"{degree.mean():.3f}",
+                f"{result.name} degree_max": degree.max(),
+            }
+    return _csv(rows)
+
+
+def _csv(rows: Sequence[Mapping[str, object]]) -> str:
+    """A table with the keys of its first row as header; None is an empty cell."""
+    table = io.StringIO()
+    writer = csv.DictWriter(table, list(rows[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
     return table.getvalue()
 
 
-def comparison_arrays(comparison: Comparison) -> bytes:
-    """The whole comparison as a .npz file, which `read_comparison` takes."""
-    arrays = {
-        "gain": comparison.gain,
-        "n_dc": np.array(comparison.n_dc),
-        "notes": np.array(comparison.notes, dtype=np.str_),
+def _paper(scene: str, algorithm: str) -> dict[str, object]:
+    """The paper's figures by our names; None where it has none."""
+    row = PAPER.get(scene, {}).get(algorithm)
+    return {
+        "traverses_all": None if row is None else row.traverses_all,
+        "connectivity_rate": None if row is None else row.connectivity_rate,
+        "throughput_mbps": None if row is None else row.throughput,
+        "hops": None if row is None else row.hops,
     }
-    for result in comparison.results:
-        for name, value in vars(result).items():
-            inner = vars(value) if isinstance(value, LinkMetrics) else {"": value}
-            arrays |= {f"{result.name}/{name}/{key}": np.array(one) for key, one in inner.items()}
-    file = io.BytesIO()
-    np.savez_compressed(file, allow_pickle=False, **arrays)
-    return file.getvalue()
-
-
-def read_comparison(path: Path) -> Comparison:
-    """A comparison out of its .npz file, which must be whole."""
-    with np.load(path, allow_pickle=False) as file:
-        arrays = dict(file)
-
-    def metrics(algorithm: str, sense: str) -> LinkMetrics:
-        prefix = f"{algorithm}/{sense}/"
-        return LinkMetrics(
-            links=arrays[prefix + "links"],
-            throughput_bps=arrays[prefix + "throughput_bps"],
-            connectivity_rate=float(arrays[prefix + "connectivity_rate"]),
-            hops=float(arrays[prefix + "hops"]),
-        )
-
-    results = [
-        AlgorithmResult(
-            name=name,
-            linked=metrics(name, "linked"),
-            active=metrics(name, "active"),
-            power_w=arrays[f"{name}/power_w/"],
-            degree=arrays[f"{name}/degree/"],
-            energy_j=arrays[f"{name}/energy_j/"],
-            traverses_all=bool(arrays[f"{name}/traverses_all/"]),
-        )
-        for name in ALGORITHMS
-    ]
-    notes = tuple(str(note) for note in arrays["notes"])
-    return Comparison(tuple(results), arrays["gain"], int(arrays["n_dc"]), notes)
 
 
 def certificate_object(certificate: Certificate) -> dict[str, Any]:
@@ -253,30 +181,31 @@ def write_waypoints(found: Survey, path: Path) -> None:
     check_waypoint_suffix(path)
     positions = np.array([waypoint.position_m for waypoint in found.waypoints]).reshape(-1, 3)
     lat, lon, alt = found.dem.to_geodetic(positions)
-    rows = [
-        (waypoint, f"{north:.8f}", f"{east:.8f}", f"{up:.3f}")
+    rows: list[dict[str, Any]] = [
+        {
+            "id": waypoint.id,
+            "lat": f"{north:.8f}",
+            "lon": f"{east:.8f}",
+            "alt": f"{up:.3f}",
+            "yaw_deg": f"{waypoint.yaw_deg:.3f}",
+            "pitch_deg": f"{waypoint.pitch_deg:.3f}",
+        }
         for waypoint, north, east, up in zip(found.waypoints, lat, lon, alt, strict=True)
     ]
     if path.suffix.lower() == ".csv":
-        table = io.StringIO()
-        writer = csv.writer(table, lineterminator="\n")
-        writer.writerow(["id", "lat", "lon", "alt", "yaw_deg", "pitch_deg"])
-        for waypoint, north, east, up in rows:
-            view = (f"{waypoint.yaw_deg:.3f}", f"{waypoint.pitch_deg:.3f}")
-            writer.writerow([waypoint.id, north, east, up, *view])
-        write_file(path, table.getvalue())
+        write_file(path, _csv(rows))
         return
     features = [
         {
             "type": "Feature",
-            "geometry": {"type": "Point", "coordinates": [float(east), float(north), float(up)]},
-            "properties": {
-                "id": waypoint.id,
-                "yaw_deg": round(waypoint.yaw_deg, 3),
-                "pitch_deg": round(waypoint.pitch_deg, 3),
+            "geometry": {
+                "type": "Point",
+                "coordinates": [float(row[name]) for name in ("lon", "lat", "alt")],
             },
+            "properties": {"id": row["id"]}
+            | {name: float(row[name]) for name in ("yaw_deg", "pitch_deg")},
         }
-        for waypoint, north, east, up in rows
+        for row in rows
     ]
     collection = {"type": "FeatureCollection", "features": features}
     write_file(path, json.dumps(collection, indent=1) + "\n")

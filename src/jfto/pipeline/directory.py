@@ -23,7 +23,6 @@ from jfto_msgs_py.files import write_file
 PLAN_NAME = "plan.json"
 INFEASIBLE_NAME = "plan.infeasible.json"
 COVERAGE_NAME = "coverage.json"
-COMPARISON_NAME = "comparison.npz"
 FLIGHT_NAME = "flight.json"
 REPORT_NAME = "report.html"
 LOG_NAME = "log.txt"

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 
 from jfto.console.progress import SILENT, Progress
 from jfto.pipeline.directory import (
-    COMPARISON_NAME,
     COVERAGE_NAME,
     FIGURES,
     FLIGHT_NAME,
@@ -165,7 +164,7 @@ class Pipeline:
     def report(self, run: Run) -> Run:
         """What comes after the plan, and after the flight where one is on record."""
         inputs = digest([self._configuration, *self._given, run.plan_path])
-        comparison = self._compared(run.plan, inputs)
+        comparison = self._compared(run.plan)
         flight = self._flown(run.plan, comparison)
         self._draw(run.plan, comparison, flight, inputs)
         run = replace(run, comparison=comparison, flight=flight)
@@ -181,27 +180,16 @@ class Pipeline:
         self._progress.end("routes", f"{plan.total_length_m / 1000:.2f} km", _KEPT, good=plan.clean)
         return Run(plan, path)
 
-    def _compared(self, plan: Plan, inputs: str) -> Comparison:
-        from jfto.analysis import export
+    def _compared(self, plan: Plan) -> Comparison:
+        """The comparison, in memory and in files. It takes no time, so it is not kept."""
         from jfto.analysis.comparison import compare
+        from jfto.analysis.export import comparison_csv, comparison_object, slots_csv
 
-        evaluation, arrays = self._loaded.scenario.evaluation, self._directory / COMPARISON_NAME
-        if self._products.kept("comparison", inputs):
-            self._progress.end("compare", "4 algorithms", _KEPT)
-            return export.read_comparison(arrays)
-        comparison = compare(plan, evaluation.n_dc, self._progress)
-        scene = evaluation.paper_scene
-        files: dict[str, str | bytes] = {
-            "comparison.csv": export.comparison_csv([(scene, comparison)]),
-            "slots.csv": export.slots_csv(plan, comparison),
-            COMPARISON_NAME: export.comparison_arrays(comparison),
-        }
-        for name, content in files.items():
-            write_file(self._directory / name, content)
-        facts = export.comparison_object(plan, comparison, scene)
-        written = [self._write_json("comparison.json", facts)]
-        written += [self._directory / name for name in files]
-        self._products.made("comparison", inputs, written)
+        evaluation = self._loaded.scenario.evaluation
+        comparison, scene = compare(plan, evaluation.n_dc, self._progress), evaluation.paper_scene
+        self._write_json("comparison.json", comparison_object(plan, comparison, scene))
+        write_file(self._directory / "comparison.csv", comparison_csv([(scene, comparison)]))
+        write_file(self._directory / "slots.csv", slots_csv(plan, comparison))
         return comparison
 
     def _flown(self, plan: Plan, comparison: Comparison) -> FlightFacts | None:
