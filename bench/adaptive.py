@@ -5,7 +5,7 @@
 
 Three pilots fly each condition from the same seeds: `desk` sets the powers of the plan's own
 evaluation, `margin` those of a desk that gives every link 0.5 dB through its whole slot, and
-`adaptive` is the library code of topology_node and power_node with their default parameters. One
+`adaptive` is the cores of topology_node and power_node with their default parameters. One
 error at a time and all worst together; --all flies the whole grid.
 """
 
@@ -26,14 +26,14 @@ from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.plan_file import read_plan
 from jfto_msgs_py.vehicle import VehiclePose
 from jfto_planner.plan_trajectory import timed_trajectories
-from jfto_power.allocation import allocate
-from jfto_power.horizon import EnergyBook, plan_horizon
-from jfto_power.power_options import PowerOptions
-from jfto_topology.horizon import HorizonSettings, TopologyHorizon
-from jfto_topology.links import SPREADS, Links
+from jfto_power.allocation import PowerProblem, allocate
+from jfto_power.core import PowerCore
+from jfto_power.energy_account import EnergyAccount
+from jfto_power.horizon import HorizonRules
+from jfto_power.options import PowerOptions
+from jfto_topology.core import TopologyCore, TopologySettings
+from jfto_topology.links import Links
 from jfto_topology.options import TopologyOptions
-from jfto_world.motion.fleet_prediction import FleetPrediction
-from jfto_world.radio import LossEstimate
 from virtual_flight import START_NS, STEPS_PER_SLOT, Errors, Pilot, Score, World, fly
 
 N_DC = 45
@@ -58,54 +58,41 @@ class Desk:
 
 
 class Adaptive:
-    """What the nodes do, slot by slot: learn the loss, solve the topology, then the powers."""
+    """What the graph does: the cores of both nodes, fed with what their topics carry."""
 
     def __init__(self, plan: Plan) -> None:
-        self._plan, self._links = plan, links_of(plan)
-        prediction = FleetPrediction()
+        options = TopologyOptions()
+        links = replace(links_of(plan), margin_db=options.margin_db)
+        slots = plan.slots
+        self._topology = TopologyCore(
+            TopologySettings(links, slots.count, slots.horizon_s, plan.d_min_m, options)
+        )
+        reserve = PowerOptions().energy_reserve
+        self._power = PowerCore(
+            HorizonRules(slots.count, links.channel, plan.radio, reserve),
+            EnergyAccount({uav.id: uav.energy_j for uav in plan.uavs}),
+        )
         for uav, trajectory in timed_trajectories(plan, START_NS).items():
-            prediction.set_trajectory(uav, trajectory)
-        settings = HorizonSettings(plan.slots.count, plan.slots.duration_s)
-        self._horizon = TopologyHorizon(prediction, self._links, settings)
-        self._losses = LossEstimate(self._links.channel)
-        self._book = EnergyBook({uav.id: uav.energy_j for uav in plan.uavs}, START_NS)
-        self._heard_poses_m: np.ndarray | None = None
+            for core in (self._topology, self._power):
+                core.take_trajectory(uav, trajectory, START_NS)
 
     def powers(self, now_ns, poses_m, heard):
         """The best powers of a slot as soon as it is due."""
-        horizon, ids = self._horizon, heard.uav_ids
-        # Of the last step: its poses are the ones that the levels were measured at.
-        at = poses_m if self._heard_poses_m is None else self._heard_poses_m
-        self._losses.take(heard.stamp_ns, heard.gain, at)
-        self._heard_poses_m = poses_m
-        if horizon.slot >= 0 and now_ns < horizon.next_ns(now_ns):
-            return None
-        for uav, place in zip(ids, poses_m.tolist(), strict=True):
-            horizon.prediction.set_pose(uav, VehiclePose(now_ns, tuple(place), 0.0))
-        if not horizon.due(now_ns):
-            return None
-        self._book.advance(now_ns)
-        horizon.left_j = self._book.left_j
-        horizon.links = replace(
-            self._links,
-            loss_db=self._losses.loss_db,
-            margin_db=TopologyOptions().margin_db + SPREADS * self._losses.spread_db,
-        )
-        found = horizon.solve(now_ns)
-        instants_ns = found.adjacency.horizon.instants_ns
-        best = plan_horizon(
-            found.adjacency,
-            found.intervals,
-            horizon.prediction.positions(found.adjacency.uav_ids, instants_ns),
-            self._book.left_j,
-            slot_count=self._plan.slots.count,
-            channel=self._links.channel,
-            radio=self._plan.radio,
-            reserve=PowerOptions().energy_reserve,
-        ).schedule
-        powers = dict(zip(best.uav_ids, best.power_w[0].tolist(), strict=True))
-        self._book.set_powers(now_ns, powers)
-        return powers
+        topology, power = self._topology, self._power
+        # A slot begins with the power node's own timer; poses come after it.
+        begun = power.step(now_ns)
+        topology.take_energy(begun.left_j, now_ns)
+        topology.take_gain(heard.stamp_ns, heard.uav_ids, heard.gain)
+        for uav, place in zip(heard.uav_ids, poses_m.tolist(), strict=True):
+            pose = VehiclePose(now_ns, tuple(place), 0.0)
+            topology.take_pose(uav, pose, now_ns)
+            power.take_pose(uav, pose, now_ns)
+        solved = topology.step(now_ns).solved
+        if solved is None:
+            return begun.setpoints_w
+        power.take_adjacency(solved.adjacency, now_ns)
+        power.take_intervals(solved.intervals, now_ns)
+        return begun.setpoints_w | power.step(now_ns).setpoints_w
 
 
 def links_of(plan: Plan) -> Links:
@@ -123,7 +110,7 @@ def desk_with_margin(plan: Plan) -> np.ndarray:
     left_j = dict(zip(ids, network.energy_j.tolist(), strict=True))
     top, _ = links.topology(ids, places_m, plan.slots.duration_s, left_j)
     limits = (top.p_min_w, top.p_upper_w, network.energy_j, plan.slots.duration_s, plan.radio)
-    return allocate(top.adjacency, network.gain, *limits, names=ids).power_w
+    return allocate(PowerProblem(top.adjacency, network.gain, *limits, ids)).power_w
 
 
 def conditions(everything: bool) -> list[Errors]:

@@ -15,7 +15,7 @@ import numpy as np
 
 from jfto_msgs_py.radio import Radio
 from jfto_msgs_py.units import dbm_to_w
-from jfto_power.allocation import allocate
+from jfto_power.allocation import PowerProblem, allocate
 from jfto_power.shortage import EnergyShortage
 from jfto_topology.algorithms.cpapo import cpapo
 from jfto_topology.algorithms.ctop import ctop
@@ -63,7 +63,8 @@ def compare(seed: int, rows: dict[str, list]) -> None:
 
     def note_exact(name, adjacency, low_w, upper_w):
         try:
-            best = allocate(adjacency, gain, low_w, upper_w, energy, SLOT_S, RADIO)
+            problem = PowerProblem(adjacency, gain, low_w, upper_w, energy, SLOT_S, RADIO)
+            best = allocate(problem)
         except EnergyShortage as shortage:
             print(f"fleet {seed}, {name}: {shortage}")
             return

@@ -16,7 +16,7 @@ import numpy as np
 
 from jfto_msgs_py.radio import Radio
 from jfto_msgs_py.units import dbm_to_w
-from jfto_power.allocation import allocate
+from jfto_power.allocation import PowerProblem, allocate
 from jfto_power.kkt import kkt_residual, objective_bps
 from jfto_power.reference import ReferenceAllocator
 from jfto_topology.algorithms.ctop import ctop
@@ -36,7 +36,7 @@ def case(uavs: int, slots: int, reading: str):
     share = np.random.default_rng(0).uniform(0.1, 0.9, uavs)
     energy = (floor + share * (full - floor)) * SLOT_S
     gain = channel.gain(pairwise_distances(positions))
-    return top.adjacency, gain, top.p_min_w, top.p_upper_w, energy, SLOT_S, radio
+    return PowerProblem(top.adjacency, gain, top.p_min_w, top.p_upper_w, energy, SLOT_S, radio)
 
 
 def timed_ms(action, repeat: int):
@@ -61,13 +61,13 @@ def main() -> None:
     for reading in ("total", "per_hertz"):
         for uavs, slots in ((4, 50), (8, 150), (100, 1000)):
             problem = case(uavs, slots, reading)
-            linked, gain, radio = problem[0], problem[1], problem[6]
-            best, _, exact_ms = timed_ms(lambda p=problem: allocate(*p), repeat)
-            residual = kkt_residual(*problem, best.power_w, best.multiplier)
+            linked, gain, radio = problem.adjacency, problem.gain, problem.radio
+            best, _, exact_ms = timed_ms(lambda p=problem: allocate(p), repeat)
+            residual = kkt_residual(problem, best.power_w, best.multiplier)
             line = f"{reading:9s} {uavs:3d} {slots:5d} {exact_ms:10.3f} {residual:10.1e} |"
             if uavs < 100:
                 solver = ReferenceAllocator()
-                general, first, ms = timed_ms(lambda p=problem, s=solver: s.solve(*p), repeat)
+                general, first, ms = timed_ms(lambda p=problem, s=solver: s.solve(p), repeat)
                 ours = objective_bps(linked, gain, best.power_w, radio)
                 theirs = objective_bps(linked, gain, general, radio)
                 line += f" {ms:11.1f} {first:13.0f} {ms / exact_ms:7.0f}x {ours / theirs - 1:10.1e}"

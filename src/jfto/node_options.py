@@ -8,8 +8,7 @@ from jfto_mavlink.options import BridgeOptions
 from jfto_msgs_py.scenario import Key
 from jfto_msgs_py.scenario.options import option_keys
 from jfto_planner.planner_options import PlannerOptions
-from jfto_power.power_options import PowerOptions
-from jfto_power.radio_options import RadioOptions
+from jfto_power.options import PowerOptions, RadioOptions
 from jfto_topology.options import TopologyOptions
 
 NODE_OPTIONS: dict[str, dict[str, Key]] = {

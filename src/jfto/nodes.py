@@ -48,7 +48,7 @@ def power_node(arguments: Arguments = None) -> int:
     """Run the power node."""
 
     def make() -> Any:
-        from jfto_power.power_node import PowerNode
+        from jfto_power.node.power_node import PowerNode
 
         return PowerNode()
 
@@ -59,7 +59,7 @@ def radio_node(arguments: Arguments = None) -> int:
     """Run the radio node."""
 
     def make() -> Any:
-        from jfto_power.radio_node import RadioNode
+        from jfto_power.node.radio_node import RadioNode
 
         return RadioNode()
 

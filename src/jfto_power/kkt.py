@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from jfto_msgs_py.radio import Radio
 from jfto_msgs_py.types import Array
+from jfto_power.allocation import PowerProblem
 from jfto_world.radio import noise_w
 
 
@@ -17,31 +18,23 @@ def objective_bps(adjacency: NDArray[np.bool_], gain: Array, power_w: Array, rad
     return float(radio.bandwidth_hz * bits / np.log(2.0))
 
 
-def kkt_residual(
-    adjacency: NDArray[np.bool_],
-    gain: Array,
-    p_low_w: Array,
-    p_high_w: Array,
-    energy_j: Array,
-    slot_duration_s: float,
-    radio: Radio,
-    power_w: Array,
-    multiplier: Array,
-) -> float:
+def kkt_residual(problem: PowerProblem, power_w: Array, multiplier: Array) -> float:
     """Largest violation of the Karush-Kuhn-Tucker conditions, as a number without unit.
 
-    Shapes as for `allocate`; slots 1..N are judged. Parts, each divided by its natural scale:
-    bounds, by p_high; energy, by the budget; the sign of the multiplier, by the greatest slope;
-    multiplier × unspent energy, by Σ slope × power; and per slot and UAV the stationarity
+    `power_w` is (N + 1, A) and `multiplier` (A,), as in `Allocation`; slots 1..N are judged.
+    Parts, each divided by its natural scale: bounds, by p_high; energy, by the budget; the sign of
+    the multiplier, by the greatest slope; multiplier × unspent energy, by Σ slope × power; and per
+    slot and UAV the stationarity
     min(|slope - λ| / max(slope, λ), way left to the bound it presses against / p_high). Zero
     exactly at the optimum, and unchanged by the units of power, energy and rate.
     """
-    low, high, power = p_low_w[1:], p_high_w[1:], power_w[1:]
-    budget_w = np.asarray(energy_j) / slot_duration_s
+    low, high, power = problem.p_low_w[1:], problem.p_high_w[1:], power_w[1:]
+    radio, slot_s = problem.radio, problem.slot_duration_s
+    budget_w = problem.energy_j / slot_s
     with np.errstate(divide="ignore"):
-        zero_db_w = np.where(adjacency[1:], noise_w(radio) / gain[1:], np.inf)
+        zero_db_w = np.where(problem.adjacency[1:], noise_w(radio) / problem.gain[1:], np.inf)
     slope = (1.0 / (power[:, :, None] + zero_db_w)).sum(axis=2)
-    price = np.asarray(multiplier) * slot_duration_s * np.log(2.0) / radio.bandwidth_hz
+    price = multiplier * slot_s * np.log(2.0) / radio.bandwidth_hz
     span = np.where(high > 0, high, 1.0)
     spent_w = power.sum(axis=0)
     scale = np.maximum(budget_w, np.where(spent_w > 0, spent_w, 1.0))

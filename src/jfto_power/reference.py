@@ -7,11 +7,10 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from jfto_msgs_py.errors import JftoError
-from jfto_msgs_py.radio import Radio
 from jfto_msgs_py.types import Array
+from jfto_power.allocation import PowerProblem
 from jfto_power.shortage import ROUNDING, check_energy
 from jfto_world.radio import noise_w
 
@@ -43,38 +42,30 @@ class ReferenceAllocator:
     q = g (high - low)/(1 + g low), so that all data lies in [0, 1].
     """
 
-    def solve(
-        self,
-        adjacency: NDArray[np.bool_],
-        gain: Array,
-        p_low_w: Array,
-        p_high_w: Array,
-        energy_j: ArrayLike,
-        slot_duration_s: float,
-        radio: Radio,
-    ) -> Array:
+    def solve(self, problem: PowerProblem) -> Array:
         """Powers (N + 1, A) in watts; slot 0, which costs nothing, gets its upper bound.
 
-        Arguments as for `allocate`. Raises EnergyShortage, or SolverError with the status.
+        Raises EnergyShortage, or SolverError with the status.
         """
-        energy = np.asarray(energy_j, dtype=np.float64)
-        names = tuple(f"uav{a + 1}" for a in range(energy.size))
-        check_energy(p_low_w, energy, slot_duration_s, names)
+        p_low_w, p_high_w, energy = problem.p_low_w, problem.p_high_w, problem.energy_j
+        slot_duration_s = problem.slot_duration_s
+        check_energy(p_low_w, energy, slot_duration_s, problem.names)
         low, room = p_low_w[1:], p_high_w[1:] - p_low_w[1:]
-        linked = adjacency[1:] & (gain[1:] > 0)
+        linked = problem.adjacency[1:] & (problem.gain[1:] > 0)
         degree = max(1, int(linked.sum(axis=2).max(initial=0)))
-        snr = _packed(np.where(linked, gain[1:], 0.0), degree) / noise_w(radio)
+        gain = np.where(linked, problem.gain[1:], 0.0)
+        snr = _packed(gain, degree) / noise_w(problem.radio)
         spare = np.maximum(energy / slot_duration_s - low.sum(axis=0), 0.0)
         # Without energy to spare only the floor is left, an interval without an inside.
         room = np.where(spare > ROUNDING * low.sum(axis=0), room, 0.0)
         lift = snr * room[:, :, None] / (1.0 + snr * low[:, :, None])
-        problem, parts = _compiled(low.shape[0], low.shape[1], degree)
+        solver, parts = _compiled(low.shape[0], low.shape[1], degree)
         parts["a"].value = (1.0 / (1.0 + lift)).reshape(low.shape[0], -1)
         parts["b"].value = (lift / (1.0 + lift)).reshape(low.shape[0], -1)
         all_room = np.where(room.sum(axis=0) > 0, room.sum(axis=0), 1.0)
         parts["cost"].value = room / all_room
         parts["spare"].value = np.minimum(spare / all_room, 1.0)
-        _run(problem)
+        _run(solver)
         power = np.vstack([p_high_w[:1], low + parts["x"].value * room])
         return np.clip(power, p_low_w, p_high_w)
 

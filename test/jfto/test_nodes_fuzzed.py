@@ -16,7 +16,7 @@ from jfto_msgs_py.network import Adjacency, PowerIntervals, SlotHorizon
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.network import encode_adjacency, encode_power_intervals
 from jfto_msgs_py.ros.vehicle import encode_pose, encode_trajectory
-from jfto_power.power_node import PowerNode
+from jfto_power.node.power_node import PowerNode
 from jfto_topology.node.topology_node import TopologyNode
 from support.fleets import at, eastward, pose
 from support.graph import Graph

@@ -25,7 +25,7 @@ from jfto_msgs_py.ros.events import decode_event
 from jfto_msgs_py.ros.stamps import decode_time
 from jfto_msgs_py.scenario import Given, make_scenario
 from jfto_msgs_py.scenario.simulation import SimulationPart
-from jfto_power.radio_node import RadioNode
+from jfto_power.node.radio_node import RadioNode
 from jfto_sim import Vehicle, VehicleConfig
 from jfto_sim.server import ServerSettings, SimServer
 from support.graph import Graph

@@ -9,8 +9,8 @@ from jfto.topics_page import page
 from jfto_msgs_py.ros import topics
 from jfto_msgs_py.ros.endpoints import SERVICES, TOPICS, UAV
 from jfto_planner.planner_node import PlannerNode
-from jfto_power.power_node import PowerNode
-from jfto_power.radio_node import RadioNode
+from jfto_power.node.power_node import PowerNode
+from jfto_power.node.radio_node import RadioNode
 from jfto_topology.node.topology_node import TopologyNode
 from support.graph import SCENARIO, Graph
 from support.plans import side_by_side

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from jfto_msgs_py.errors import InfeasibleError, InputError
 from jfto_msgs_py.radio import Radio
-from jfto_power.allocation import allocate, allocate_prefix
+from jfto_power.allocation import PowerProblem, allocate, allocate_prefix
 from jfto_power.kkt import kkt_residual, objective_bps
 from jfto_power.reference import ReferenceAllocator
 from jfto_power.shortage import EnergyShortage
@@ -41,11 +41,11 @@ def test_optimum_equals_the_general_solver_and_meets_the_conditions(reading, see
     reference = ReferenceAllocator()
     for _ in range(20):
         case = instance(rng, reading, uavs=3, slots=12)
-        best = allocate(*case)
-        assert kkt_residual(*case, best.power_w, best.multiplier) <= 1e-8
+        best = allocate(PowerProblem(*case))
+        assert kkt_residual(PowerProblem(*case), best.power_w, best.multiplier) <= 1e-8
         linked, gain, radio = case[0], case[1], case[6]
         exact = objective_bps(linked, gain, best.power_w, radio)
-        general = objective_bps(linked, gain, reference.solve(*case), radio)
+        general = objective_bps(linked, gain, reference.solve(PowerProblem(*case)), radio)
         assert exact == pytest.approx(general, rel=1e-6)
 
 
@@ -56,12 +56,12 @@ def test_powers_keep_to_their_intervals_and_budgets(seed, reading):
     rng = np.random.default_rng(seed)
     case = instance(rng, reading, uavs=4, slots=int(rng.integers(1, 40)))
     _, _, low, high, energy, slot_s, _ = case
-    best = allocate(*case)
+    best = allocate(PowerProblem(*case))
     assert (low <= best.power_w).all()
     assert (best.power_w <= high).all()
     assert (best.energy_j <= energy * (1 + 1e-12)).all()
     assert best.energy_j == pytest.approx(best.power_w[1:].sum(axis=0) * slot_s)
-    assert kkt_residual(*case, best.power_w, best.multiplier) <= 1e-8
+    assert kkt_residual(PowerProblem(*case), best.power_w, best.multiplier) <= 1e-8
     assert best.slots_held == len(low) - 1
 
 
@@ -71,7 +71,7 @@ def test_equal_links_share_the_budget_equally():
     linked = np.ones((3, 1, 1), dtype=bool)
     gain = np.full((3, 1, 1), 1e-9)
     low, high = np.zeros((3, 1)), np.ones((3, 1))
-    best = allocate(linked, gain, low, high, [2 * 0.25 * SLOT_S], SLOT_S, radio)
+    best = allocate(PowerProblem(linked, gain, low, high, [2 * 0.25 * SLOT_S], SLOT_S, radio))
     assert best.power_w[:, 0] == pytest.approx([0.25, 0.25, 0.25])
     worth = radio.bandwidth_hz / np.log(2) / SLOT_S / (0.25 + noise_w(radio) / 1e-9)
     assert best.multiplier[0] == pytest.approx(worth)
@@ -82,7 +82,9 @@ def test_water_filling_by_hand():
     radio = Radio()
     gain = noise_w(radio) / np.array([1.0, 0.1, 0.3]).reshape(3, 1, 1)
     linked = np.ones((3, 1, 1), dtype=bool)
-    best = allocate(linked, gain, np.zeros((3, 1)), np.ones((3, 1)), [0.5], 1.0, radio)
+    best = allocate(
+        PowerProblem(linked, gain, np.zeros((3, 1)), np.ones((3, 1)), [0.5], 1.0, radio)
+    )
     assert best.power_w[1:, 0] == pytest.approx([0.35, 0.15])
 
 
@@ -90,7 +92,9 @@ def test_two_neighbours_pull_harder_than_one():
     """At high SNR a slot's power is proportional to its number of neighbours."""
     linked = np.array([[[1, 1]], [[1, 1]], [[1, 0]]], dtype=bool)
     gain = np.full((3, 1, 2), 1e-5)
-    best = allocate(linked, gain, np.zeros((3, 1)), np.ones((3, 1)), [0.3], 1.0, Radio())
+    best = allocate(
+        PowerProblem(linked, gain, np.zeros((3, 1)), np.ones((3, 1)), [0.3], 1.0, Radio())
+    )
     assert best.power_w[1:, 0] == pytest.approx([0.2, 0.1], rel=1e-4)
 
 
@@ -98,7 +102,9 @@ def test_slot_zero_follows_the_level_without_paying():
     """Slot 0 is free: it gets what a slot like it gets, and the budget goes to the rest."""
     linked = np.ones((4, 1, 1), dtype=bool)
     gain = np.full((4, 1, 1), 1e-8)
-    best = allocate(linked, gain, np.zeros((4, 1)), np.ones((4, 1)), [0.6], 1.0, Radio())
+    best = allocate(
+        PowerProblem(linked, gain, np.zeros((4, 1)), np.ones((4, 1)), [0.6], 1.0, Radio())
+    )
     assert best.power_w[:, 0] == pytest.approx([0.2] * 4)
     assert best.energy_j[0] == pytest.approx(0.6)
 
@@ -108,7 +114,7 @@ def test_slack_budget_means_full_power_and_no_price():
     linked = np.ones((3, 2, 2), dtype=bool)
     gain = np.full((3, 2, 2), 1e-8)
     low, high = np.full((3, 2), 0.1), np.full((3, 2), 0.4)
-    best = allocate(linked, gain, low, high, [10.0, 0.5], 1.0, Radio())
+    best = allocate(PowerProblem(linked, gain, low, high, [10.0, 0.5], 1.0, Radio()))
     assert best.power_w[:, 0] == pytest.approx([0.4] * 3)
     assert best.multiplier[0] == 0
     assert best.multiplier[1] > 0
@@ -118,7 +124,9 @@ def test_slots_without_links_take_the_least_power():
     """A slot without neighbours has no rate to gain; its energy goes to the others."""
     linked = np.array([[[1]], [[0]], [[1]]], dtype=bool)
     gain = np.full((3, 1, 1), 1e-8)
-    best = allocate(linked, gain, np.full((3, 1), 0.1), np.ones((3, 1)), [0.7], 1.0, Radio())
+    best = allocate(
+        PowerProblem(linked, gain, np.full((3, 1), 0.1), np.ones((3, 1)), [0.7], 1.0, Radio())
+    )
     assert best.power_w[1:, 0] == pytest.approx([0.1, 0.6])
 
 
@@ -127,35 +135,40 @@ def test_budget_equal_to_the_floor_leaves_the_floor(reading):
     """Energy exactly Σ P_min Δt is feasible, with one allocation: P_min."""
     linked, gain, low, high, _, slot_s, radio = instance(np.random.default_rng(3), reading)
     floor = low[1:].sum(axis=0) * slot_s
-    best = allocate(linked, gain, low, high, floor, slot_s, radio)
+    best = allocate(PowerProblem(linked, gain, low, high, floor, slot_s, radio))
     assert best.power_w[1:] == pytest.approx(low[1:])
 
 
 def test_zero_budget_needs_zero_floor():
     """No energy at all is enough when nothing has to be sent, and only then."""
     linked, gain = np.ones((3, 1, 1), dtype=bool), np.full((3, 1, 1), 1e-8)
-    silent = allocate(linked, gain, np.zeros((3, 1)), np.ones((3, 1)), [0.0], 1.0, Radio())
+    silent = allocate(
+        PowerProblem(linked, gain, np.zeros((3, 1)), np.ones((3, 1)), [0.0], 1.0, Radio())
+    )
     assert silent.power_w[1:].tolist() == [[0.0], [0.0]]
     with pytest.raises(EnergyShortage):
-        allocate(linked, gain, np.full((3, 1), 1e-6), np.ones((3, 1)), [0.0], 1.0, Radio())
+        allocate(
+            PowerProblem(linked, gain, np.full((3, 1), 1e-6), np.ones((3, 1)), [0.0], 1.0, Radio())
+        )
 
 
 def test_one_row_aboard_equals_the_fleet_at_the_desk():
     """A UAV that knows only its own row finds the powers that the whole problem gives it."""
     linked, gain, low, high, energy, slot_s, radio = instance(np.random.default_rng(8), "total")
-    fleet = allocate(linked, gain, low, high, energy, slot_s, radio)
+    fleet = allocate(PowerProblem(linked, gain, low, high, energy, slot_s, radio))
     for a in range(len(energy)):
         row = slice(a, a + 1)
-        alone = allocate(
-            linked[:, row], gain[:, row], low[:, row], high[:, row], energy[row], slot_s, radio
-        )
+        own = (linked[:, row], gain[:, row], low[:, row], high[:, row], energy[row])
+        alone = allocate(PowerProblem(*own, slot_s, radio))
         assert np.array_equal(alone.power_w[:, 0], fleet.power_w[:, a])
 
 
 def test_plan_of_slot_zero_alone():
     """A plan without a slot that costs energy is at full power."""
     linked, gain = np.ones((1, 1, 1), dtype=bool), np.full((1, 1, 1), 1e-8)
-    best = allocate(linked, gain, np.zeros((1, 1)), np.ones((1, 1)), [0.0], 1.0, Radio())
+    best = allocate(
+        PowerProblem(linked, gain, np.zeros((1, 1)), np.ones((1, 1)), [0.0], 1.0, Radio())
+    )
     assert best.power_w.tolist() == [[1.0]]
 
 
@@ -171,7 +184,7 @@ def shortage_case():
 def test_shortage_names_uavs_joules_and_slots():
     """Too little energy says who, by how much, and how far it lasts."""
     with pytest.raises(EnergyShortage, match=r"alpha lacks 0\.1 J and holds 2 slots") as caught:
-        allocate(*shortage_case(), names=("alpha", "bravo", "charlie"))
+        allocate(PowerProblem(*shortage_case(), ("alpha", "bravo", "charlie")))
     shortage = caught.value
     assert isinstance(shortage, InfeasibleError)
     assert shortage.uavs == (0, 2)
@@ -185,9 +198,9 @@ def test_prefix_gets_the_best_allocation_and_nothing_after():
     """With UAV 3 funded for one slot the fleet holds slots 0 and 1, at the optimum for those."""
     linked, gain, low, high, energy, slot_s, radio = shortage_case()
     energy[2] = 1.2
-    held = allocate_prefix(linked, gain, low, high, energy, slot_s, radio)
+    held = allocate_prefix(PowerProblem(linked, gain, low, high, energy, slot_s, radio))
     assert held.slots_held == 1
-    shorter = allocate(linked[:2], gain[:2], low[:2], high[:2], energy, slot_s, radio)
+    shorter = allocate(PowerProblem(linked[:2], gain[:2], low[:2], high[:2], energy, slot_s, radio))
     assert np.array_equal(held.power_w[:2], shorter.power_w)
     assert not held.power_w[2:].any()
     assert held.energy_j[2] == pytest.approx(1.2)
@@ -213,4 +226,4 @@ def test_contradicting_arguments_are_refused(change, message):
     for place, value in change.items():
         case[place] = value
     with pytest.raises(InputError, match=message):
-        allocate(*case)
+        allocate(PowerProblem(*case))

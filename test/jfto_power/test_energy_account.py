@@ -8,6 +8,7 @@ import pytest
 
 from jfto_msgs_py.errors import InputError
 from jfto_power.energy_account import EnergyAccount
+from jfto_power.energy_file import open_account, write_account
 
 BUDGET_J = {"uav1": 10.0, "uav2": 20.0}
 NOW_NS = 1_763_776_800 * 10**9
@@ -18,8 +19,8 @@ def at(seconds: float) -> int:
 
 
 def test_only_changes_are_named() -> None:
-    """Setting the same power again is no news."""
-    account = EnergyAccount(BUDGET_J, None, NOW_NS)
+    """Setting the same power again changes nothing."""
+    account = EnergyAccount(BUDGET_J)
     account.set_zero(NOW_NS)
     assert account.set_powers(at(0), {"uav1": 1.0, "uav2": 0.0}) == {"uav1"}
     assert account.set_powers(at(1), {"uav1": 1.0, "uav2": 2.0}) == {"uav2"}
@@ -28,13 +29,13 @@ def test_only_changes_are_named() -> None:
 
 
 def test_a_restart_charges_the_time_between(tmp_path) -> None:
-    """The radio went on sending while nobody kept the book."""
+    """The radio went on sending while nobody kept the account."""
     file = tmp_path / "energy.json"
-    first = EnergyAccount(BUDGET_J, file, NOW_NS)
+    first = open_account(BUDGET_J, file, NOW_NS)
     first.set_zero(NOW_NS)
     first.set_powers(at(0), {"uav1": 1.0, "uav2": 2.0})
-    first.save(at(1))
-    second = EnergyAccount(BUDGET_J, file, at(4))
+    write_account(first.state(at(1)), file)
+    second = open_account(BUDGET_J, file, at(4))
     second.advance(at(4))
     assert second.left_j == {"uav1": 6.0, "uav2": 12.0}
 
@@ -43,12 +44,12 @@ def test_a_restart_charges_the_time_between(tmp_path) -> None:
 def test_a_clock_that_has_not_begun_or_was_set_back_charges_nothing(tmp_path, now_s, left_j):
     """Neither gives energy back nor takes more than time has passed."""
     file = tmp_path / "energy.json"
-    first = EnergyAccount(BUDGET_J, file, NOW_NS)
+    first = open_account(BUDGET_J, file, NOW_NS)
     first.set_zero(NOW_NS)
     first.set_powers(at(0), {"uav1": 1.0})
-    first.save(at(1))
+    write_account(first.state(at(1)), file)
     now_ns = 0 if now_s is None else at(now_s)
-    second = EnergyAccount(BUDGET_J, file, now_ns)
+    second = open_account(BUDGET_J, file, now_ns)
     second.advance(now_ns)
     assert second.left_j["uav1"] == left_j
 
@@ -61,17 +62,17 @@ def test_a_clock_that_has_not_begun_or_was_set_back_charges_nothing(tmp_path, no
 def test_a_file_that_is_no_account_is_refused(tmp_path, change) -> None:
     """It names the file and says what to do; nothing is overwritten."""
     file = tmp_path / "energy.json"
-    EnergyAccount(BUDGET_J, file, NOW_NS).save(at(0))
+    write_account(EnergyAccount(BUDGET_J).state(at(0)), file)
     text = json.dumps(json.loads(file.read_text()) | change)
     file.write_text(text)
     with pytest.raises(InputError, match="delete it to start with full budgets"):
-        EnergyAccount(BUDGET_J, file, NOW_NS)
+        open_account(BUDGET_J, file, NOW_NS)
     assert file.read_text() == text
 
 
 def test_nothing_is_charged_before_time_zero() -> None:
     """On the pads radios are on at no cost; the lift-off, heard late, is charged from its time."""
-    account = EnergyAccount(BUDGET_J, None, NOW_NS)
+    account = EnergyAccount(BUDGET_J)
     account.set_powers(at(-20), {"uav1": 1.0, "uav2": 0.0})
     account.advance(at(0))
     account.set_zero(at(3600))
@@ -84,7 +85,7 @@ def test_nothing_is_charged_before_time_zero() -> None:
 
 def test_what_was_charged_stays_charged_and_is_charged_once() -> None:
     """Time zero moved an hour ahead, as by a planner that restarts, and back: no difference."""
-    account = EnergyAccount(BUDGET_J, None, NOW_NS)
+    account = EnergyAccount(BUDGET_J)
     account.set_powers(at(-1), {"uav1": 1.0})
     account.set_zero(at(0))
     account.advance(at(2))
@@ -98,11 +99,11 @@ def test_what_was_charged_stays_charged_and_is_charged_once() -> None:
 def test_a_restart_does_not_charge_the_flight_again(tmp_path) -> None:
     """Hearing the lift-off anew, a restarted account knows from when it has charged."""
     file = tmp_path / "energy.json"
-    first = EnergyAccount(BUDGET_J, file, at(-1))
+    first = open_account(BUDGET_J, file, at(-1))
     first.set_powers(at(-1), {"uav1": 1.0})
     first.set_zero(at(0))
-    first.save(at(2))
-    second = EnergyAccount(BUDGET_J, file, at(3))
+    write_account(first.state(at(2)), file)
+    second = open_account(BUDGET_J, file, at(3))
     second.set_zero(at(0))
     second.advance(at(5))
     assert second.left_j["uav1"] == pytest.approx(5.0)
@@ -110,7 +111,7 @@ def test_a_restart_does_not_charge_the_flight_again(tmp_path) -> None:
 
 def test_a_clock_that_jumps_costs_what_passes_on_it() -> None:
     """Ahead it is charged for; set back, the time goes on from there."""
-    account = EnergyAccount(BUDGET_J, None, NOW_NS)
+    account = EnergyAccount(BUDGET_J)
     account.set_zero(NOW_NS)
     account.set_powers(at(0), {"uav1": 1.0})
     account.advance(at(4))
@@ -121,7 +122,7 @@ def test_a_clock_that_jumps_costs_what_passes_on_it() -> None:
 
 def test_when_the_energy_is_used_up_is_known_ahead() -> None:
     """10 J at 2 W last 5 s from time zero on, 20 J at 1 W longer; without power it never ends."""
-    account = EnergyAccount(BUDGET_J, None, NOW_NS)
+    account = EnergyAccount(BUDGET_J)
     account.set_powers(at(-3), {"uav1": 2.0, "uav2": 1.0})
     assert account.empty_ns() is None
     account.set_zero(at(0))
@@ -131,3 +132,14 @@ def test_when_the_energy_is_used_up_is_known_ahead() -> None:
     assert not account.used_up("uav2")
     account.set_powers(at(5), {"uav1": 0.0})
     assert account.empty_ns() == at(20)
+
+
+def test_the_account_charges_what_was_in_force() -> None:
+    """Power × time since it was set, never below zero, and time never runs backward."""
+    account = EnergyAccount({"uav1": 10.0, "uav2": 1.0}, zero_ns=0)
+    account.set_powers(at(0.0), {"uav1": 1.0, "uav2": 0.5})
+    account.set_powers(at(4.0), {"uav1": 0.25})
+    assert account.left_j == pytest.approx({"uav1": 6.0, "uav2": 0.0})
+    account.advance(at(3.0))
+    account.advance(at(8.0))
+    assert account.left_j["uav1"] == pytest.approx(5.0)

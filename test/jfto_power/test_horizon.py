@@ -10,7 +10,7 @@ import pytest
 from jfto_msgs_py.errors import MessageError
 from jfto_msgs_py.network import Adjacency, PowerIntervals, SlotHorizon
 from jfto_msgs_py.radio import Radio
-from jfto_power.horizon import EnergyBook, plan_horizon
+from jfto_power.horizon import HorizonRules, plan_horizon
 from jfto_world.radio import make_channel
 from support.fleets import at
 
@@ -33,10 +33,7 @@ def _plan(
         PowerIntervals(intervals_of, IDS, bounds),
         POSITIONS,
         left_j if isinstance(left_j, dict) else dict.fromkeys(IDS, left_j),
-        slot_count=slot_count,
-        channel=make_channel(RADIO),
-        radio=RADIO,
-        reserve=reserve,
+        HorizonRules(slot_count, make_channel(RADIO), RADIO, reserve),
     )
 
 
@@ -99,14 +96,3 @@ def test_messages_of_two_horizons_are_not_mixed() -> None:
     """An interval of another slot is refused."""
     with pytest.raises(MessageError, match="same horizon"):
         _plan(3.0, intervals_of=replace(HORIZON, first=7))
-
-
-def test_the_book_charges_what_was_in_force() -> None:
-    """Power × time since it was set, never below zero, and time never runs backward."""
-    book = EnergyBook({"uav1": 10.0, "uav2": 1.0})
-    book.set_powers(at(0.0), {"uav1": 1.0, "uav2": 0.5})
-    book.set_powers(at(4.0), {"uav1": 0.25})
-    assert book.left_j == pytest.approx({"uav1": 6.0, "uav2": 0.0})
-    book.advance(at(3.0))
-    book.advance(at(8.0))
-    assert book.left_j["uav1"] == pytest.approx(5.0)

@@ -1,10 +1,12 @@
 """The yardstick of optimality must itself tell right from wrong."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from jfto_msgs_py.radio import Radio
-from jfto_power.allocation import allocate
+from jfto_power.allocation import PowerProblem, allocate
 from jfto_power.kkt import kkt_residual, objective_bps
 from jfto_world.radio import noise_w
 
@@ -12,11 +14,12 @@ RADIO = Radio()
 LINKED = np.ones((3, 1, 1), dtype=bool)
 GAIN = noise_w(RADIO) / np.array([1.0, 0.1, 0.3]).reshape(3, 1, 1)
 LOW, HIGH, ENERGY = np.zeros((3, 1)), np.ones((3, 1)), np.array([0.5])
+PROBLEM = PowerProblem(LINKED, GAIN, LOW, HIGH, ENERGY, 1.0, RADIO)
 
 
 def residual(power_w, multiplier):
     powers = np.array(power_w).reshape(3, 1)
-    return kkt_residual(LINKED, GAIN, LOW, HIGH, ENERGY, 1.0, RADIO, powers, np.array([multiplier]))
+    return kkt_residual(PROBLEM, powers, np.array([multiplier]))
 
 
 def price(level_w):
@@ -48,18 +51,9 @@ def test_residual_does_not_depend_on_units():
     """A thousandfold of power, noise and energy leaves the residual of a wrong answer as it is."""
     loud = Radio(noise_dbm=RADIO.noise_dbm + 30)
     power = np.array([0, 0.3, 0.2]).reshape(3, 1)
-    here = kkt_residual(LINKED, GAIN, LOW, HIGH, ENERGY, 1.0, RADIO, power, np.array([price(0.45)]))
-    there = kkt_residual(
-        LINKED,
-        GAIN,
-        1e3 * LOW,
-        1e3 * HIGH,
-        1e3 * ENERGY,
-        1.0,
-        loud,
-        1e3 * power,
-        np.array([price(450)]),
-    )
+    here = kkt_residual(PROBLEM, power, np.array([price(0.45)]))
+    louder = PowerProblem(LINKED, GAIN, 1e3 * LOW, 1e3 * HIGH, 1e3 * ENERGY, 1.0, loud)
+    there = kkt_residual(louder, 1e3 * power, np.array([price(450)]))
     assert there == pytest.approx(here)
 
 
@@ -74,8 +68,8 @@ def test_objective_counts_ordered_pairs_from_slot_one():
 
 def test_multiplier_predicts_the_worth_of_a_little_more_energy():
     """The price of energy is the slope of the best throughput."""
-    best = allocate(LINKED, GAIN, LOW, HIGH, ENERGY, 1.0, RADIO)
-    more = allocate(LINKED, GAIN, LOW, HIGH, ENERGY + 1e-6, 1.0, RADIO)
+    best = allocate(PROBLEM)
+    more = allocate(replace(PROBLEM, energy_j=ENERGY + 1e-6))
     gained = objective_bps(LINKED, GAIN, more.power_w, RADIO) - objective_bps(
         LINKED, GAIN, best.power_w, RADIO
     )

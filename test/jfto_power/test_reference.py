@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from jfto_msgs_py.radio import Radio
-from jfto_power.allocation import allocate
+from jfto_power.allocation import PowerProblem, allocate
 from jfto_power.kkt import objective_bps
 from jfto_power.reference import ReferenceAllocator
 from jfto_power.shortage import EnergyShortage
@@ -19,9 +19,9 @@ def test_gains_of_a_hundred_million_are_solved(reading):
     linked[:, range(3), range(3)] = False
     gain = 10 ** rng.uniform(-7, -5, (9, 3, 3))
     low, high = np.full((9, 3), 0.1), np.full((9, 3), 0.9)
-    case = (linked, gain, low, high, np.array([2.0, 4.0, 9.0]), 1.0, radio)
-    general = objective_bps(linked, gain, ReferenceAllocator().solve(*case), radio)
-    exact = objective_bps(linked, gain, allocate(*case).power_w, radio)
+    case = PowerProblem(linked, gain, low, high, np.array([2.0, 4.0, 9.0]), 1.0, radio)
+    general = objective_bps(linked, gain, ReferenceAllocator().solve(case), radio)
+    exact = objective_bps(linked, gain, allocate(case).power_w, radio)
     assert general == pytest.approx(exact, rel=1e-7)
 
 
@@ -29,4 +29,4 @@ def test_shortage_is_said_before_solving():
     """The general solver refuses the same budgets as the exact one."""
     case = (np.ones((2, 1, 1), dtype=bool), np.ones((2, 1, 1)), np.ones((2, 1)), np.ones((2, 1)))
     with pytest.raises(EnergyShortage, match=r"uav1 lacks 0\.5 J"):
-        ReferenceAllocator().solve(*case, np.array([0.5]), 1.0, Radio())
+        ReferenceAllocator().solve(PowerProblem(*case, np.array([0.5]), 1.0, Radio()))

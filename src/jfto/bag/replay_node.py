@@ -18,7 +18,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from jfto.bag.errors import BagError
 from jfto.bag.replay_clock import ReplayClock, ReplayTimer
-from jfto_power.power_node import PowerNode
+from jfto_power.node.power_node import PowerNode
 from jfto_topology.node.topology_node import TopologyNode
 
 # Name for the command line: the node's class.

@@ -16,7 +16,7 @@ from jfto_msgs_py.records.event import WARN, Event
 from jfto_msgs_py.units import dbm_to_w, ratio_to_db
 from jfto_msgs_py.vehicle import VehiclePose
 from jfto_planner.plan_trajectory import timed_trajectories
-from jfto_power.horizon import EnergyBook
+from jfto_power.energy_account import EnergyAccount
 from jfto_topology.metrics import components
 from jfto_world.motion.fleet_prediction import FleetPrediction
 from jfto_world.radio import make_channel, pairwise_distances
@@ -39,7 +39,7 @@ class FieldKeeper:
         self._channel = make_channel(plan.radio)
         self._sensitivity_w = float(dbm_to_w(plan.radio.sensitivity_dbm))
         self._prediction = FleetPrediction()
-        self._book = EnergyBook({uav.id: uav.energy_j for uav in plan.uavs})
+        self._book = EnergyAccount({uav.id: uav.energy_j for uav in plan.uavs}, zero_ns=0)
         self._start_ns: int | None = None
         self._poses: dict[str, VehiclePose] = {}
         self._power_w: dict[str, float] = {}
@@ -59,7 +59,7 @@ class FieldKeeper:
         self._finished.clear()
         for uav, trajectory in timed_trajectories(self._plan, start_ns).items():
             self._prediction.set_trajectory(uav, trajectory)
-        self._book = EnergyBook({uav.id: uav.energy_j for uav in self._plan.uavs})
+        self._book = EnergyAccount(self._book.budget_j, zero_ns=0)
         self._book.set_powers(start_ns, self._power_w)
 
     def take_pose(self, uav: str, pose: VehiclePose) -> None:

@@ -12,7 +12,7 @@ from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.radio import Radio
 from jfto_msgs_py.types import Array
 from jfto_msgs_py.units import dbm_to_w
-from jfto_power.allocation import Allocation, allocate, allocate_prefix
+from jfto_power.allocation import Allocation, PowerProblem, allocate, allocate_prefix
 from jfto_power.shortage import EnergyShortage
 from jfto_topology.algorithms.ctop import Topology, ctop, energy_floor
 from jfto_world.radio import LogDistanceChannel, make_channel, pairwise_distances
@@ -70,7 +70,7 @@ def power_of(plan: Plan, network: Network, topology: Topology) -> tuple[Allocati
     Where the energy does not last they are those of the longest prefix of slots that it does for,
     and the second result says so; else it is empty.
     """
-    problem = (
+    problem = PowerProblem(
         topology.adjacency,
         network.gain,
         topology.p_min_w,
@@ -78,11 +78,12 @@ def power_of(plan: Plan, network: Network, topology: Topology) -> tuple[Allocati
         network.energy_j,
         plan.slots.duration_s,
         plan.radio,
+        tuple(uav.id for uav in plan.uavs),
     )
     try:
-        return allocate(*problem, names=tuple(uav.id for uav in plan.uavs)), ""
+        return allocate(problem), ""
     except EnergyShortage as shortage:
-        return allocate_prefix(*problem), str(shortage)
+        return allocate_prefix(problem), str(shortage)
 
 
 def energy_floor_of(

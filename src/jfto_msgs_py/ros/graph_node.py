@@ -12,7 +12,7 @@ from rclpy.clock import Clock, ROSClock
 from rclpy.clock_type import ClockType
 from rclpy.lifecycle import LifecycleNode, LifecyclePublisher, TransitionCallbackReturn
 
-from jfto_msgs_py.errors import JftoError, MessageError, ScenarioError
+from jfto_msgs_py.errors import JftoError, ScenarioError
 from jfto_msgs_py.records.event import ERROR, WARN, Event
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.clock_reports import ClockReports
@@ -20,16 +20,10 @@ from jfto_msgs_py.ros.diagnostics import Status, encode_diagnostics
 from jfto_msgs_py.ros.events import EventLimit, encode_event
 from jfto_msgs_py.ros.intake import Intake
 from jfto_msgs_py.ros.parameters import NodeParameters
-from jfto_msgs_py.ros.vehicle import decode_pose
 from jfto_msgs_py.scenario import Scenario
-from jfto_msgs_py.vehicle import VehiclePose
 
 Options = TypeVar("Options")
 _DIAGNOSTICS_PERIOD_S = 1.0
-# By how much the clocks of two computers may differ.
-_AHEAD_S = 1.0
-# Simulated time comes in ticks, which a busy node may read after the poses that they belong to.
-_AHEAD_SIMULATED_S = 10.0
 
 
 class GraphNode(LifecycleNode, Generic[Options]):
@@ -104,23 +98,11 @@ class GraphNode(LifecycleNode, Generic[Options]):
         else:
             self.get_logger().info(line)
 
-    def take_pose(self, uav: str, message: Any) -> VehiclePose | None:
-        """The pose in a message; None where it is malformed or stamped ahead of the clock.
-
-        One from the future would hide all that come after it.
-        """
-        pose = self.intake.take(topics.pose(uav), decode_pose, message)
-        now_ns = self.now_ns()
-        if pose is None or now_ns == 0:
-            return pose
-        ahead_s = (pose.stamp_ns - now_ns) / 1e9
+    @property
+    def time_is_simulated(self) -> bool:
+        """Whether the node's clock follows /clock."""
         clock = self.get_clock()
-        simulated = isinstance(clock, ROSClock) and clock.ros_time_is_active
-        if ahead_s > (_AHEAD_SIMULATED_S if simulated else _AHEAD_S):
-            error = MessageError("header.stamp", f"is {ahead_s:.1f} s ahead of this clock")
-            self.intake.refuse(topics.pose(uav), error)
-            return None
-        return pose
+        return isinstance(clock, ROSClock) and clock.ros_time_is_active
 
     def start(self) -> None:
         """Configure, and activate if the parameter `autostart` says so; raises JftoError."""

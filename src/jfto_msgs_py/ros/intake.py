@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from jfto_msgs_py.errors import MessageError
@@ -12,6 +13,21 @@ from jfto_msgs_py.errors import MessageError
 Record = TypeVar("Record")
 _INDEX = re.compile(r"\[\d+\]")
 _LOG_EVERY_S = 5.0
+
+
+@dataclass(frozen=True)
+class Input:
+    """What is taken from a topic: the class of its messages, their QoS, and where records go.
+
+    `decode` makes a record of a message, `take` takes it over with the time at which it came (ns
+    since the epoch); both raise MessageError for what cannot be.
+    """
+
+    kind: type
+    topic: str
+    qos: Any
+    decode: Callable[[Any], Any]
+    take: Callable[[Any, int], None]
 
 
 class Intake:
@@ -31,6 +47,15 @@ class Intake:
         except MessageError as error:
             self.refuse(topic, error)
             return None
+
+    def hand_over(self, each: Input, message: Any, now_ns: int) -> bool:
+        """Decode a message and hand its record over; False where it was refused."""
+        try:
+            each.take(each.decode(message), now_ns)
+        except MessageError as error:
+            self.refuse(each.topic, error)
+            return False
+        return True
 
     def refuse(self, topic: str, error: MessageError) -> None:
         """Count a message that was found wrong after it was decoded."""

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.ros.stamps import encode_time
 from jfto_msgs_py.ros.topics import MAP_FRAME
 from jfto_msgs_py.types import Array
+from jfto_topology.core import Scene
 
 Color = tuple[float, float, float]
 
@@ -27,29 +27,16 @@ _UAV_SIZE_M = 15.0
 _LABEL_SIZE_M = 20.0
 
 
-@dataclass(frozen=True)
-class Scene:
-    """What is drawn of one slot: the position of every UAV (A, 3), ENU metres, and the links.
-
-    `links` (L, L) and `margins_db` (L, L) are over `linked_ids`, the UAVs that take part.
-    """
-
-    stamp_ns: int
-    positions_m: Array
-    linked_ids: tuple[str, ...]
-    links: NDArray[np.bool_]
-    margins_db: Array
-
-
 class FleetMarkers:
     """Draws a fleet over its paths (M, 3), ENU metres, by UAV.
 
     What stays from slot to slot is made once: a slot's time is for its topology.
     """
 
-    def __init__(self, paths_m: dict[str, Array]) -> None:
+    def __init__(self, paths_m: Mapping[str, Array]) -> None:
         from visualization_msgs.msg import Marker
 
+        self.paths_m = paths_m
         self._uav_ids = tuple(paths_m)
         self._clear = Marker(action=Marker.DELETEALL)
         self._paths = [

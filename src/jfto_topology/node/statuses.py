@@ -1,80 +1,57 @@
-"""What the topology node says about itself and each UAV."""
+"""What the topology node says about the fleet and each UAV."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-
-import numpy as np
-
 from jfto_msgs_py.ros.diagnostics import ERROR, OK, STALE, WARN, Status
-from jfto_topology.horizon import HorizonTopology
-from jfto_world.motion.fleet_prediction import FleetPrediction
+from jfto_msgs_py.types import Array
+from jfto_topology.core import TopologyCore
 
-Facts = Callable[[str], dict[str, str]]
-
-
-@dataclass(frozen=True)
-class Heard:
-    """What statuses are made from; `margins_db` (A, A) is that of `last`'s UAVs.
-
-    `dangers` has the texts of what is predicted to go wrong, `facts` counts of malformed messages
-    by topic prefix.
-    """
-
-    prediction: FleetPrediction
-    last: HorizonTopology | None
-    margins_db: np.ndarray | None
-    dangers: Mapping[tuple[str, str], str]
-    stale_after_s: float
-    facts: Facts
+Facts = dict[str, str]
 
 
-def about_node(heard: Heard, missing: tuple[str, ...]) -> Status:
-    """How the fleet as a whole is linked, and how late it runs."""
-    last = heard.last
-    facts = heard.facts("/jfto/")
+def about_fleet(core: TopologyCore, facts: Facts) -> Status:
+    """How the fleet as a whole is linked, and how late it runs; `facts` is what else to say."""
+    last, missing = core.solved, core.missing
     if missing:
         return Status("", WARN, f"waiting for trajectories of {', '.join(missing)}", facts)
     if last is None:
         return Status("", WARN, "fewer than two UAVs have a fresh pose", facts)
     first = last.adjacency.horizon.first
-    facts |= {"last_slot": str(first), "slot_shift_s": f"{last.shift_s:.2f}"}
+    facts = facts | {"last_slot": str(first), "slot_shift_s": f"{last.shift_s:.2f}"}
     if last.lag_s is not None:
         facts["fleet_lag_s"] = f"{last.lag_s:.2f}"
-    facts |= {
-        f"ahead: {kind} {uavs}".rstrip(): text for (kind, uavs), text in heard.dangers.items()
-    }
+    facts |= {f"ahead: {kind} {uavs}".rstrip(): text for (kind, uavs), text in core.dangers.items()}
     if last.blind:
         return Status("", ERROR, f"slot {first}, from last good predictions alone", facts)
     if last.topology.deficit[0].any() or not last.topology.connected[0]:
         return Status("", ERROR, f"slot {first}, not as connected as wanted", facts)
-    if heard.dangers:
+    if core.dangers:
         return Status("", WARN, f"slot {first}, trouble ahead", facts)
     return Status("", OK, f"slot {first}", facts)
 
 
-def about_uav(heard: Heard, uav: str, now_ns: int) -> Status:
-    """How one UAV is measured, and linked."""
-    last, prediction = heard.last, heard.prediction
-    facts = heard.facts(f"/{uav}/")
+def about_uav(
+    core: TopologyCore, uav: str, margins_db: Array | None, facts: Facts, now_ns: int
+) -> Status:
+    """How one UAV is measured, and linked: `margins_db` (A, A) is that of the UAVs solved for."""
+    last, prediction = core.solved, core.prediction
     stamp_ns = prediction.pose_stamp_ns(uav)
     if stamp_ns is None:
         return Status(uav, STALE, "no pose yet", facts)
     age_s = (now_ns - stamp_ns) / 1e9
-    facts |= {"pose_age_s": f"{age_s:.2f}", "lag_s": f"{prediction.lag_s(uav):.2f}"}
-    if age_s > heard.stale_after_s:
+    facts = facts | {"pose_age_s": f"{age_s:.2f}", "lag_s": f"{prediction.lag_s(uav):.2f}"}
+    if age_s > core.settings.options.stale_after_s:
         blind = last is not None and last.blind and uav in last.adjacency.uav_ids
         how = "predicted from what was known" if blind else "excluded"
         return Status(uav, STALE, f"{how}: last pose is {age_s:.1f} s old", facts)
-    if last is None or heard.margins_db is None or uav not in last.adjacency.uav_ids:
+    if last is None or margins_db is None or uav not in last.adjacency.uav_ids:
         return Status(uav, WARN, "not part of a topology yet", facts)
     index = last.adjacency.uav_ids.index(uav)
     linked = last.adjacency.links[0, index]
     facts["last_slot"] = str(last.adjacency.horizon.first)
     facts["neighbours"] = str(int(linked.sum()))
     if linked.any():
-        facts["margin_db"] = f"{heard.margins_db[index][linked].min():.2f}"
+        facts["margin_db"] = f"{margins_db[index][linked].min():.2f}"
     level, text = OK, f"{int(linked.sum())} neighbours"
     if last.topology.deficit[0, index]:
         level, text = ERROR, f"has fewer than {last.k_min} neighbours"

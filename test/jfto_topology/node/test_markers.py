@@ -7,13 +7,17 @@ from dataclasses import replace
 import numpy as np
 from visualization_msgs.msg import Marker
 
-from jfto_topology.node.markers import LINK_LOOKS, FleetMarkers, Scene
+from jfto_topology.core import Scene
+from jfto_topology.node.markers import LINK_LOOKS, FleetMarkers
+
+PATHS_M = {uav: np.zeros((4, 3)) for uav in ("uav1", "uav2", "uav3")}
 
 
 def _scene(margin_db: float, linked: tuple[str, ...] = ("uav1", "uav2")) -> Scene:
     links = ~np.eye(len(linked), dtype=bool)
     return Scene(
         stamp_ns=10**18,
+        paths_m=PATHS_M,
         positions_m=np.arange(9.0).reshape(3, 3),
         linked_ids=linked,
         links=links,
@@ -26,7 +30,7 @@ def _drawn(scene: Scene) -> list:
 
 
 def _fleet() -> FleetMarkers:
-    return FleetMarkers({uav: np.zeros((4, 3)) for uav in ("uav1", "uav2", "uav3")})
+    return FleetMarkers(PATHS_M)
 
 
 def _of(markers, namespace: str) -> list:

@@ -1,4 +1,4 @@
-"""The topology node: what it makes of plans and poses."""
+"""The topology node: what the core makes, over the graph; messages that are none, restarts."""
 
 from __future__ import annotations
 
@@ -12,10 +12,9 @@ from trajectory_msgs.msg import MultiDOFJointTrajectory
 from visualization_msgs.msg import Marker, MarkerArray
 
 from jfto_msgs_py.radio import Radio
-from jfto_msgs_py.records.event import ERROR, INFO, WARN, Event
+from jfto_msgs_py.records.event import Event
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.air import encode_air
-from jfto_msgs_py.ros.energy import encode_energy_left
 from jfto_msgs_py.ros.events import decode_event
 from jfto_msgs_py.ros.network import decode_adjacency, decode_power_intervals
 from jfto_msgs_py.ros.vehicle import encode_pose, encode_trajectory
@@ -110,39 +109,6 @@ def test_a_slot_is_published_when_its_poses_have_come(graph) -> None:
     assert kinds["uavs"] == Marker.SPHERE
 
 
-def test_a_late_pose_is_waited_for_until_the_deadline(graph) -> None:
-    """Nothing before pose_wait_s has passed; then the slot comes with all UAVs in it."""
-    fleet = _start(graph)
-    graph.at(1.9)
-    fleet.measure(1.9, *IDS)
-    graph.until(lambda: _firsts(fleet) == [0])
-    graph.at(2.1)
-    fleet.measure(2.1, "uav1", "uav2")
-    graph.at(2.15)
-    assert _firsts(fleet) == [0]
-    graph.at(2.25)
-    graph.until(lambda: _firsts(fleet) == [0, 1])
-    assert decode_adjacency(fleet.adjacency[-1]).uav_ids == IDS
-
-
-def test_a_stale_uav_is_excluded_and_flagged(graph) -> None:
-    """A UAV that is not heard of any more leaves the topology, and diagnostics say why."""
-    fleet = _start(graph, stale_after_s=3.0)
-    graph.at(2.1)
-    fleet.measure(2.1, *IDS)
-    graph.until(lambda: fleet.adjacency)
-    graph.at(6.1)
-    fleet.measure(6.1, "uav1", "uav2")
-    graph.at(6.3)
-    graph.until(lambda: _firsts(fleet)[-1] == 3)
-    assert decode_adjacency(fleet.adjacency[-1]).uav_ids == ("uav1", "uav2")
-    graph.at(7.4)
-    graph.until(lambda: "excluded" in fleet.facts("topology_node: uav3").get("text", ""))
-    assert fleet.facts("topology_node: uav3")["level"] == "3"
-    graph.until(lambda: "margin_db" in fleet.facts("topology_node: uav1"))
-    assert float(fleet.facts("topology_node: uav1")["margin_db"]) > 0
-
-
 def test_malformed_messages_are_counted_and_nothing_stops(graph) -> None:
     """A NaN, a wrong frame and an empty trajectory are counted by field; the next slot comes."""
     fleet = _start(graph)
@@ -226,42 +192,6 @@ def test_a_node_restarted_in_mid_flight_goes_on_within_a_slot(graph) -> None:
         graph.at(16.5 + 1.1 * step)
     graph.until(lambda: float(fleet.facts("topology_node").get("slot_shift_s", "0")) > 10)
     assert float(fleet.facts("topology_node")["fleet_lag_s"]) == pytest.approx(11.0, abs=0.1)
-
-
-def test_silence_of_all_blocks_no_slot_and_is_told(graph) -> None:
-    """Four seconds without a pose: the topology of all UAVs goes on, announced as an error."""
-    fleet = _start(graph)
-    graph.at(2.1)
-    fleet.measure(2.1, *IDS)
-    graph.until(lambda: _firsts(fleet) == [1])
-    for seconds in (4.3, 6.0, 6.5, 7.6, 8.7):
-        graph.at(seconds)
-    graph.until(lambda: len(fleet.adjacency) >= 3)
-    assert decode_adjacency(fleet.adjacency[-1]).uav_ids == IDS
-    graph.until(fleet.events)
-    event = fleet.events()[0]
-    assert (event.level, event.kind, event.uav_id) == (ERROR, "stale", "")
-    assert "from their last good predictions" in event.text
-    graph.at(10.05)
-    fleet.measure(10.05, *IDS)
-    graph.until(lambda: len(fleet.events()) == 2)
-    assert fleet.events()[1].level == INFO
-
-
-def test_energy_that_will_not_last_is_announced_before(graph) -> None:
-    """The power node's account against the least powers of all slots that are left."""
-    fleet = _start(graph)
-    fleet.energy.publish(encode_energy_left(at(0.0), {"uav1": 1e-6, "uav2": 50.0, "uav3": 50.0}))
-    graph.until(lambda: graph.newest._left_j)
-    graph.at(2.1)
-    fleet.measure(2.1, *IDS)
-    graph.until(fleet.events)
-    event = fleet.events()[0]
-    assert (event.level, event.kind, event.uav_id) in {
-        (WARN, "energy", "uav1"),
-        (ERROR, "energy", "uav1"),
-    }
-    assert "cannot pay for its least powers from slot" in event.text
 
 
 def _least_w(fleet: _Fleet) -> float:

@@ -18,7 +18,7 @@ from jfto_msgs_py.ros.diagnostics import ERROR, OK, WARN, Status
 from jfto_msgs_py.ros.graph_node import GraphNode
 from jfto_msgs_py.scenario import Scenario
 from jfto_power.drivers import Applier, IwDriver, LogDriver, RadioDriver, RadioState, SimDriver
-from jfto_power.radio_options import RadioOptions
+from jfto_power.options import RadioOptions, served_ids
 
 # How often what waits is looked at.
 _LOOK_S = 0.25
@@ -34,10 +34,7 @@ class RadioNode(GraphNode[RadioOptions]):
 
     def check(self, scenario: Scenario, options: RadioOptions) -> None:
         """Refuse a UAV that there is none of, and a driver without what it needs."""
-        if options.uav_id and options.uav_id not in scenario.fleet.ids:
-            raise InputError(
-                f"uav_id is {options.uav_id!r}, must be one of {', '.join(scenario.fleet.ids)}."
-            )
+        served_ids(options.uav_id, scenario.fleet.ids)
         if options.driver == "iw" and not options.uav_id:
             raise InputError("driver iw sets the radio of one UAV: say whose it is with uav_id.")
         if options.driver == "sim":
@@ -45,7 +42,7 @@ class RadioNode(GraphNode[RadioOptions]):
 
     def build(self, scenario: Scenario, options: RadioOptions) -> None:
         """Driver, subscriptions, publishers and the timer."""
-        self._served = (options.uav_id,) if options.uav_id else scenario.fleet.ids
+        self._served = served_ids(options.uav_id, scenario.fleet.ids)
         self._driver_name = options.driver
         numbers = {uav: number for number, uav in enumerate(scenario.fleet.ids, 1)}
         self._applier = Applier(

@@ -1,12 +1,31 @@
-"""The parameters of radio_node besides the scenario's."""
+"""The parameters of power_node and radio_node besides the scenario's."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.scenario.key import param
 
 DRIVERS = ("log", "sim", "iw")
+
+
+@dataclass(frozen=True)
+class PowerOptions:
+    """The power node's own parameters."""
+
+    autostart: bool = param(True, "Configure and activate at start.")
+    uav_id: str = param("", "Publish for this UAV only; left out: for the whole fleet.")
+    energy_reserve: float = param(
+        0.05,
+        "Share of the energy left that is only spent on least powers, for a future that turns out "
+        "dearer than predicted.",
+        low=0.0,
+        high=1.0,
+    )
+    state_file: str = param(
+        "", "File that keeps the energy account over a restart; left out: none."
+    )
 
 
 @dataclass(frozen=True)
@@ -46,3 +65,13 @@ class RadioOptions:
         low=0.0,
         high=20.0,
     )
+
+
+def served_ids(uav_id: str, fleet_ids: tuple[str, ...]) -> tuple[str, ...]:
+    """The UAV that `uav_id` names, or the whole fleet where it is empty.
+
+    Raises InputError where there is no such UAV.
+    """
+    if uav_id and uav_id not in fleet_ids:
+        raise InputError(f"uav_id is {uav_id!r}, must be one of {', '.join(fleet_ids)}.")
+    return (uav_id,) if uav_id else fleet_ids

@@ -13,7 +13,7 @@ from jfto_msgs_py.radio import Radio
 from jfto_msgs_py.records.event import ERROR, INFO
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.events import decode_event
-from jfto_power.radio_node import RadioNode
+from jfto_power.node.radio_node import RadioNode
 from jfto_sim.air import Air, AirMember, FleetAir
 from jfto_sim.config import fleet
 from jfto_sim.server import ServerSettings, SimServer

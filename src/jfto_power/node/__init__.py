@@ -1,0 +1,1 @@
+"""The power and radio nodes: messages in and out, diagnostics."""
