@@ -22,7 +22,7 @@ from jfto.planning.scenario_file import LoadedScenario
 from jfto_msgs_py.plan import Plan
 
 if TYPE_CHECKING:
-    from jfto.conduct.flight_job import FlightEnd, FlightJob
+    from jfto.flight.job import FlightEnd, FlightJob
 
 _SHOWN_VIOLATIONS = 8
 
@@ -103,7 +103,7 @@ def print_comparison(rows: list[tuple[str, Comparison]]) -> None:
 
 def say_flight(plan: Plan, job: FlightJob, end: FlightEnd, progress: Progress) -> None:
     """How the flight went and what was recorded of it."""
-    from jfto.conduct.outcome import Ending
+    from jfto.flight.outcome import Ending
 
     parts = ["all landed" if end.outcome.ending == Ending.LANDED else end.outcome.text]
     if end.speedup is not None and job.simulated:

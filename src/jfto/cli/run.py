@@ -11,8 +11,8 @@ from jfto.cli.mission_options import PATH, key_option, roster_texts
 from jfto.cli.options import Function, json_option, out_option, scenario_options
 
 if TYPE_CHECKING:
-    from jfto.conduct.flight_job import FlightEnd
     from jfto.console.stages import StageProgress
+    from jfto.flight.job import FlightEnd
     from jfto.pipeline.run import Run
     from jfto.planning.scenario_file import LoadedScenario
     from jfto.supervision.graph_table import Vehicles
@@ -131,9 +131,9 @@ def _scenario_line(loaded: LoadedScenario) -> str:
 
 def _vehicles(loaded: LoadedScenario, choices: dict[str, Any]) -> Vehicles:
     """Who flies; raises InputError or RosterError before anything is done."""
-    from jfto.conduct.gates import parse_gates
-    from jfto.conduct.pace import default_speedup
-    from jfto.conduct.word import require_word
+    from jfto.flight.gates import parse_gates
+    from jfto.flight.operator import require_confirmation
+    from jfto.flight.speedup import default_speedup
     from jfto.supervision.vehicles import choose_vehicles
     from jfto_mavlink.fleet.roster import are_simulated
     from jfto_msgs_py.errors import InputError
@@ -162,7 +162,7 @@ def _vehicles(loaded: LoadedScenario, choices: dict[str, Any]) -> Vehicles:
         key_file=choices["key_file"],
     )
     if choices["until"] is None:
-        require_word(simulated=vehicles.simulated, armed=choices["arm"])
+        require_confirmation(simulated=vehicles.simulated, armed=choices["arm"])
     return vehicles
 
 
@@ -175,11 +175,11 @@ def _fly(
 ) -> FlightEnd:
     """Run the graph and conduct the flight; what came of it is said in the lines of the stages."""
     from jfto.cli.results import say_flight
-    from jfto.conduct.flight_job import fly
-    from jfto.conduct.gates import parse_gates
-    from jfto.conduct.operator import Terminal
-    from jfto.conduct.prepare import prepare
-    from jfto.conduct.settings import LANDED
+    from jfto.flight.gates import parse_gates
+    from jfto.flight.job import fly
+    from jfto.flight.operator import operator_at
+    from jfto.flight.prepare import prepare
+    from jfto.flight.settings import LANDED
     from jfto.pipeline.directory import forget_dry_run
 
     ask = not (vehicles.simulated or choices["arm"] or choices["until"])
@@ -195,8 +195,7 @@ def _fly(
     progress.begin("flight", "starting the graph")
     # The flight shows itself.
     progress.console.hide()
-    console = progress.console.rich
-    with Terminal(console, len(planned.plan.uavs), quiet=console.quiet) as operator:
+    with operator_at(progress.console, len(planned.plan.uavs)) as operator:
         end = fly(job, operator)
     if not end.outcome.flown:
         forget_dry_run(job.directory)

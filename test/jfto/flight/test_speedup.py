@@ -6,7 +6,7 @@ import os
 
 import pytest
 
-from jfto.conduct.pace import default_speedup
+from jfto.flight.speedup import default_speedup
 
 
 @pytest.mark.parametrize(

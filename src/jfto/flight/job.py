@@ -11,14 +11,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
-from jfto.conduct.actions import ERROR, INFO, WARN, Ask, Order, Tell
-from jfto.conduct.conductor import Conductor, Stage
-from jfto.conduct.interrupts import Interrupts
-from jfto.conduct.outcome import Outcome
-from jfto.conduct.seen import Seen
-from jfto.conduct.settings import ConductSettings
-from jfto.field.keeper import FieldKeeper
-from jfto.field.state import FieldState
+from jfto.flight.actions import ERROR, INFO, WARN, Ask, Order, Tell
+from jfto.flight.conductor import Conductor, Stage
+from jfto.flight.fleet_status import FleetStatus
+from jfto.flight.interrupts import Interrupts
+from jfto.flight.outcome import Outcome
+from jfto.flight.screen.state import FlightState
+from jfto.flight.screen.tracker import FlightTracker
+from jfto.flight.settings import ConductSettings
 from jfto.pipeline.directory import LOG_NAME
 from jfto.supervision.back_off import BackOffSettings
 from jfto.supervision.process import NodeCommand
@@ -27,11 +27,11 @@ from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.ros.installation import require_ros
 
 if TYPE_CHECKING:
-    from jfto.conduct.client import Client
+    from jfto.flight.client import Client
 
 _LOOK_S = 0.2
 _SHOW_EVERY_S = 0.5
-_LAST_WORD_S = 3.0
+_LAST_EVENTS_S = 3.0
 # Without one of these there is no flight; the rest is started again for as long as it lasts.
 ESSENTIAL = ("mavlink_bridge", "simulated_fleet")
 _BACK_OFF = BackOffSettings(give_up_after=1000)
@@ -49,7 +49,7 @@ class Operator(Protocol):
         `idle` takes a fraction of a second, in which the graph is listened to.
         """
 
-    def show(self, state: FieldState) -> None:
+    def show(self, state: FlightState) -> None:
         """How everything stands, twice a second from the start on."""
 
 
@@ -67,10 +67,10 @@ class FlightJob:
 
 @dataclass(frozen=True)
 class FlightEnd:
-    """How a flight ended, what was seen last, and how fast the vehicles' time passed."""
+    """How a flight ended, the fleet's last status, and how fast the vehicles' time passed."""
 
     outcome: Outcome
-    seen: Seen
+    fleet: FleetStatus
     speedup: float | None
     deaths: tuple[Death, ...] = ()
 
@@ -81,20 +81,20 @@ def fly(job: FlightJob, operator: Operator) -> FlightEnd:
     Raises InputError where another flight runs on this ROS domain.
     """
     require_ros()
-    from jfto.conduct.client import open_client
+    from jfto.flight.client import open_client
 
     conductor = Conductor(job.settings)
-    keeper = FieldKeeper(job.plan, job.title)
+    tracker = FlightTracker(job.plan, job.title)
 
     def answered(verb: str, success: bool, text: str) -> None:
         conductor.answered(verb, success=success, text=text)
 
     with (
         Interrupts() as interrupts,
-        open_client(job.plan, keeper, answered, use_sim_time=job.simulated) as client,
+        open_client(job.plan, tracker, answered, use_sim_time=job.simulated) as client,
         _supervised(job) as graph,
     ):
-        return _Loop(job, operator, conductor, keeper, client, graph, interrupts).run()
+        return _Loop(job, operator, conductor, tracker, client, graph, interrupts).run()
 
 
 class _Graph:
@@ -151,49 +151,49 @@ class _Loop:
         job: FlightJob,
         operator: Operator,
         conductor: Conductor,
-        keeper: FieldKeeper,
+        tracker: FlightTracker,
         client: Client,
         graph: _Graph,
         interrupts: Interrupts,
     ) -> None:
         self._job, self._operator, self._conductor = job, operator, conductor
-        self._keeper, self._client, self._graph = keeper, client, graph
+        self._tracker, self._client, self._graph = tracker, client, graph
         self._interrupts = interrupts
         self._deaths: list[Death] = []
-        self._flight: list[Seen] = []
+        self._flight: list[FleetStatus] = []
         self._shown_s = 0.0
 
     def run(self) -> FlightEnd:
         """Until the conductor has an outcome."""
-        conductor, seen = self._conductor, self._client.seen()
+        conductor, fleet = self._conductor, self._client.fleet()
         while conductor.outcome is None:
             self._client.spin(_LOOK_S)
-            self._mourn()
+            self._take_deaths()
             if self._interrupts.take():
                 conductor.interrupt()
-            seen = self._client.seen()
-            conductor.step(seen)
+            fleet = self._client.fleet()
+            conductor.step(fleet)
             self._act()
-            self._look(seen)
+            self._look(fleet)
         if conductor.outcome.flown:
-            self._hear_the_last_word()
+            self._await_last_events()
         level = INFO if conductor.outcome.good else WARN
         self._client.publish_event(level, "order", conductor.outcome.text)
-        return FlightEnd(conductor.outcome, seen, self._speedup(), tuple(self._deaths))
+        return FlightEnd(conductor.outcome, fleet, self._speedup(), tuple(self._deaths))
 
-    def _hear_the_last_word(self) -> None:
+    def _await_last_events(self) -> None:
         """How each flight ended, which the bridge tells a moment after all were seen down."""
-        end_s = time.monotonic() + _LAST_WORD_S
+        end_s = time.monotonic() + _LAST_EVENTS_S
         while not self._client.fleet_ended and time.monotonic() < end_s:
             self._client.spin(_LOOK_S)
-        self._operator.show(self._keeper.state(self._client.now_ns, self._conductor.stage.value))
+        self._operator.show(self._tracker.state(self._client.now_ns, self._conductor.stage.value))
 
-    def _mourn(self) -> None:
+    def _take_deaths(self) -> None:
         """Take in which processes have died."""
         while not self._graph.deaths.empty():
             death = self._graph.deaths.get()
             self._deaths.append(death)
-            self._client.heard.forget(death.name)
+            self._client.graph.forget(death.name)
             if death.name == "mavlink_bridge":
                 self._client.drop_orders()
                 self._conductor.bridge_died()
@@ -223,7 +223,7 @@ class _Loop:
 
     def _idle(self) -> bool:
         self._client.spin(_LOOK_S)
-        self._mourn()
+        self._take_deaths()
         return not self._interrupts.pending and self._conductor.outcome is None
 
     def _publish(self, text: str, level: int, kind: str = "order") -> None:
@@ -236,16 +236,16 @@ class _Loop:
     def _in_flight(self) -> bool:
         return self._conductor.stage in {Stage.START, Stage.FLY, Stage.HOME}
 
-    def _look(self, seen: Seen) -> None:
+    def _look(self, fleet: FleetStatus) -> None:
         if not self._in_flight:
             return
         if self._conductor.stage in {Stage.FLY, Stage.HOME}:
-            self._flight = [*self._flight[:1], seen]
-        if seen.now_s - self._shown_s >= _SHOW_EVERY_S:
-            self._shown_s = seen.now_s
+            self._flight = [*self._flight[:1], fleet]
+        if fleet.now_s - self._shown_s >= _SHOW_EVERY_S:
+            self._shown_s = fleet.now_s
             self._client.take_poses()
             doing = "" if self._conductor.stage == Stage.FLY else self._conductor.stage.value
-            self._operator.show(self._keeper.state(self._client.now_ns, doing))
+            self._operator.show(self._tracker.state(self._client.now_ns, doing))
 
     def _speedup(self) -> float | None:
         """How much faster than this computer's the vehicles' time passed in flight."""

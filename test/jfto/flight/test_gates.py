@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from jfto.conduct.gates import Gates, parse_gates
+from jfto.flight.gates import Gates, parse_gates
 from jfto_msgs_py.errors import InputError
 
 

@@ -1,8 +1,10 @@
-"""What the field screen shows, at one moment."""
+"""What the screen of a flight shows, at one moment."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+
+from jfto_msgs_py.records.event import Event
 
 # What a UAV does, in the words that the operator reads.
 UNHEARD, PAD, FLYING, HOLDING, HOME, LANDED, SILENT = (
@@ -14,11 +16,10 @@ UNHEARD, PAD, FLYING, HOLDING, HOME, LANDED, SILENT = (
     "landed",
     "silent",
 )
-INFO, WARNING, ERROR = "info", "warning", "error"
 
 
 @dataclass(frozen=True)
-class LinkField:
+class LinkState:
     """A radio neighbour and what the link could lose, dB; below 0 the link is broken."""
 
     peer: str
@@ -26,7 +27,7 @@ class LinkField:
 
 
 @dataclass(frozen=True)
-class UavField:
+class UavState:
     """One UAV. None stands for what is not known (yet).
 
     `index` is its place in the fleet, which decides its colour and mark; `phase` one of the words
@@ -45,7 +46,7 @@ class UavField:
     energy_budget_j: float | None = None
     battery_percent: float | None = None
     tx_dbm: float | None = None
-    links: tuple[LinkField, ...] = ()
+    links: tuple[LinkState, ...] = ()
     age_s: float | None = None
 
     @property
@@ -62,26 +63,13 @@ class UavField:
 
 
 @dataclass(frozen=True)
-class FieldEvent:
-    """What happened and what was done about it, `at_s` seconds after lift-off (None: before).
-
-    `level` is INFO, WARNING or ERROR; `kind` groups events of one sort.
-    """
-
-    at_s: float | None
-    level: str
-    uav: str
-    kind: str
-    text: str
-
-
-@dataclass(frozen=True)
-class FieldState:
+class FlightState:
     """The whole screen.
 
     `doing` says in a word or two what the fleet is at; `clock_s` counts from lift-off, None before
     it; `slot` of `slot_count` is under way, -1 before the first. `parts` is the number of pieces
-    that the links leave the fleet in, 0 where nobody is heard.
+    that the links leave the fleet in, 0 where nobody has a link. `lift_off_ns` is time zero on the
+    clock of the events, None before it.
     """
 
     title: str
@@ -92,8 +80,9 @@ class FieldState:
     slot_count: int
     k_min: int
     parts: int
-    uavs: tuple[UavField, ...]
-    events: tuple[FieldEvent, ...] = ()
+    uavs: tuple[UavState, ...]
+    events: tuple[Event, ...] = ()
+    lift_off_ns: int | None = None
 
     @property
     def weakest(self) -> tuple[str, str, float] | None:

@@ -6,21 +6,19 @@ from collections.abc import Sequence
 
 from rich.text import Text
 
-from jfto.field.state import (
-    ERROR,
+from jfto.flight.screen.state import (
     FLYING,
     HOLDING,
     HOME,
     LANDED,
     SILENT,
     UNHEARD,
-    WARNING,
-    FieldEvent,
-    FieldState,
-    LinkField,
-    UavField,
+    FlightState,
+    LinkState,
+    UavState,
 )
 from jfto.report.palette import uav_colour, uav_sign
+from jfto_msgs_py.records.event import ERROR, WARN, Event
 
 GOOD, NOTE, BAD, SOFT = "green", "bold yellow", "bold red", "bright_black"
 # The palette's black is for paper.
@@ -41,14 +39,14 @@ def clock(seconds: float | None) -> str:
     return f"{'-' if seconds < 0 and whole else ''}{whole // 60:02d}:{whole % 60:02d}"
 
 
-def name(uav: UavField) -> Text:
+def name(uav: UavState) -> Text:
     """Sign and name of a UAV in its colour."""
     colour = uav_colour(uav.index)
     colour = _ON_TERMINAL.get(colour, colour)
     return Text.assemble((uav_sign(uav.index), colour), " ", (uav.id, f"bold {colour}"))
 
 
-def phase(uav: UavField) -> Text:
+def phase(uav: UavState) -> Text:
     """What the UAV does; for a silent one since when."""
     words = uav.phase
     if uav.phase == SILENT and uav.age_s is not None:
@@ -56,7 +54,7 @@ def phase(uav: UavField) -> Text:
     return Text(words, _PHASE_STYLE.get(uav.phase, ""))
 
 
-def waypoint(uav: UavField) -> Text:
+def waypoint(uav: UavState) -> Text:
     """Waypoints done, and when the next is due."""
     text = Text(f"{uav.done}/{uav.total}")
     if uav.phase == FLYING and uav.next_in_s is not None:
@@ -65,13 +63,13 @@ def waypoint(uav: UavField) -> Text:
     return text
 
 
-def status(uav: UavField) -> Text:
+def status(uav: UavState) -> Text:
     """The one thing to know where there is no room for two: timing in flight, else what it does."""
     return timing(uav) if uav.phase == FLYING else phase(uav)
 
 
-def timing(uav: UavField) -> Text:
-    """Seconds early or late in words."""
+def timing(uav: UavState) -> Text:
+    """Seconds early or late in texts."""
     late = uav.late_s
     if late is None:
         return Text("–", SOFT)
@@ -82,7 +80,7 @@ def timing(uav: UavField) -> Text:
     return Text(f"{late:.1f} s late", BAD if late > VERY_LATE_S else NOTE)
 
 
-def energy(uav: UavField, *, bar: bool) -> Text:
+def energy(uav: UavState, *, bar: bool) -> Text:
     """Energy left for transmitting, as a bar and in percent."""
     share = uav.energy_share
     if share is None:
@@ -96,7 +94,7 @@ def energy(uav: UavField, *, bar: bool) -> Text:
     return text.append(words, style)
 
 
-def battery(uav: UavField) -> Text:
+def battery(uav: UavState) -> Text:
     """Flight battery in percent."""
     if uav.battery_percent is None:
         return Text("–", SOFT)
@@ -104,7 +102,7 @@ def battery(uav: UavField) -> Text:
     return Text(f"{uav.battery_percent:.0f} %" + (" low" if low else ""), BAD if low else "")
 
 
-def links(uav: UavField, k_min: int, most: int) -> Text:
+def links(uav: UavState, k_min: int, most: int) -> Text:
     """Neighbours with what each link can lose, the weakest first."""
     shown = sorted(uav.links, key=lambda link: link.spare_db)
     text = Text()
@@ -117,7 +115,7 @@ def links(uav: UavField, k_min: int, most: int) -> Text:
     return text if text.plain else Text("–", SOFT)
 
 
-def spare(link: LinkField) -> Text:
+def spare(link: LinkState) -> Text:
     """What a link can lose; its style says how much that is, a mark where it is little."""
     if link.spare_db == float("-inf"):
         return Text("off✗", BAD)
@@ -128,7 +126,7 @@ def spare(link: LinkField) -> Text:
     return Text(f"{link.spare_db:.1f}", "yellow" if link.spare_db < SOME_DB else GOOD)
 
 
-def network(state: FieldState) -> Text:
+def network(state: FlightState) -> Text:
     """Whether all are linked, and the weakest link."""
     text = Text()
     if state.parts == 1:
@@ -141,11 +139,11 @@ def network(state: FieldState) -> Text:
     if weakest is not None:
         a, b, decibels = weakest
         text.append("   weakest ").append(f"{a}–{b} ")
-        text.append_text(spare(LinkField(b, decibels))).append(" dB")
+        text.append_text(spare(LinkState(b, decibels))).append(" dB")
     return text
 
 
-def troubles(uav: UavField, k_min: int) -> int:
+def troubles(uav: UavState, k_min: int) -> int:
     """How many things are amiss with a UAV."""
     share = uav.energy_share
     return (
@@ -157,7 +155,7 @@ def troubles(uav: UavField, k_min: int) -> int:
     )
 
 
-def left_out(uavs: Sequence[UavField], k_min: int) -> Text:
+def left_out(uavs: Sequence[UavState], k_min: int) -> Text:
     """How many UAVs there was no room for."""
     amiss = [uav.id for uav in uavs if troubles(uav, k_min)]
     if amiss:
@@ -165,18 +163,21 @@ def left_out(uavs: Sequence[UavField], k_min: int) -> Text:
     return Text(f"and {len(uavs)} more, all well", SOFT)
 
 
-def fleet(state: FieldState) -> str:
+def fleet(state: FlightState) -> str:
     """How many do what: "6 flying, 2 holding"."""
     counts: dict[str, int] = {}
     for uav in state.uavs:
         counts[uav.phase] = counts.get(uav.phase, 0) + 1
-    return ", ".join(f"{count} {word}" for word, count in counts.items())
+    return ", ".join(f"{count} {phase}" for phase, count in counts.items())
 
 
-def event(one: FieldEvent) -> Text:
-    """One line: when, who, what."""
-    mark, style = {ERROR: ("✗", BAD), WARNING: ("!", NOTE)}.get(one.level, ("·", ""))
-    text = Text(f"{clock(one.at_s)} ", SOFT).append(f"{mark} ", style)
-    if one.uav and not one.text.startswith(one.uav):
-        text.append(f"{one.uav}: ", style)
+def event(one: Event, lift_off_ns: int | None) -> Text:
+    """One line: when, counted from lift-off, who, what."""
+    at_s = None if lift_off_ns is None else (one.stamp_ns - lift_off_ns) / 1e9
+    mark, style = (
+        ("✗", BAD) if one.level >= ERROR else ("!", NOTE) if one.level >= WARN else ("·", "")
+    )
+    text = Text(f"{clock(at_s)} ", SOFT).append(f"{mark} ", style)
+    if one.uav_id and not one.text.startswith(one.uav_id):
+        text.append(f"{one.uav_id}: ", style)
     return text.append(one.text, style)

@@ -1,4 +1,4 @@
-"""The field screen: what an operator reads off it, on any terminal."""
+"""The screen of a flight: what an operator reads off it, on any terminal."""
 
 from __future__ import annotations
 
@@ -6,39 +6,41 @@ import io
 from dataclasses import replace
 
 import pytest
-from rich.console import Console
+from rich.console import Console as RichConsole
 
-from jfto.field.screen import LINE_EVERY_S, FieldScreen, state_line
-from jfto.field.selection import shown_events
-from jfto.field.state import (
-    ERROR,
+from jfto.console.console import Console
+from jfto.flight.screen.screen import LINE_EVERY_S, FlightScreen, state_line
+from jfto.flight.screen.selection import shown_events
+from jfto.flight.screen.state import (
     FLYING,
-    INFO,
     SILENT,
-    WARNING,
-    FieldEvent,
-    FieldState,
-    LinkField,
-    UavField,
+    FlightState,
+    LinkState,
+    UavState,
 )
-from jfto.field.view import FieldView
+from jfto.flight.screen.view import FlightView
+from jfto_msgs_py.records.event import ERROR, INFO, WARN, Event
 
 
-def _uav(index: int, **changes: object) -> UavField:
-    links = (LinkField(f"uav{index + 2}", 4.1), LinkField(f"uav{index + 3}", 9.3))
-    plain = UavField(f"uav{index + 1}", index, FLYING, 3, 17, 8.0, 0.2, 90.0, 180.0, links=links)
+def _uav(index: int, **changes: object) -> UavState:
+    links = (LinkState(f"uav{index + 2}", 4.1), LinkState(f"uav{index + 3}", 9.3))
+    plain = UavState(f"uav{index + 1}", index, FLYING, 3, 17, 8.0, 0.2, 90.0, 180.0, links=links)
     return replace(plain, **changes)  # type: ignore[arg-type]
 
 
-def _state(count: int = 3, events: tuple[FieldEvent, ...] = (), **changes: UavField) -> FieldState:
+def _state(count: int = 3, events: tuple[Event, ...] = (), **changes: UavState) -> FlightState:
     uavs = tuple(changes.get(f"uav{index + 1}", _uav(index)) for index in range(count))
-    return FieldState("demo", "flying", 452.0, 730.0, 45, 150, 2, 1, uavs, events)
+    return FlightState("demo", "flying", 452.0, 730.0, 45, 150, 2, 1, uavs, events, 0)
 
 
-def _drawn(state: FieldState, width: int = 100, height: int = 24) -> list[str]:
-    console = Console(file=io.StringIO(), width=width, height=height, force_terminal=True)
+def _event(at_s: float, level: int, uav: str, kind: str, text: str) -> Event:
+    return Event(level, kind, uav, text, round(at_s * 1e9), "node")
+
+
+def _drawn(state: FlightState, width: int = 100, height: int = 24) -> list[str]:
+    console = RichConsole(file=io.StringIO(), width=width, height=height, force_terminal=True)
     with console.capture() as capture:
-        console.print(FieldView(state))
+        console.print(FlightView(state))
     from rich.text import Text
 
     return Text.from_ansi(capture.get()).plain.rstrip("\n").split("\n")
@@ -59,8 +61,8 @@ def test_time_is_said_in_words_not_only_in_colour() -> None:
 
 def test_links_are_marked_where_little_is_to_spare() -> None:
     """Below 1 dB a link has a mark, a broken one a cross, and a UAV short of K_min says so."""
-    links = (LinkField("uav9", -0.6), LinkField("uav8", 0.4), LinkField("uav7", 7.0))
-    alone = (LinkField("uav7", 3.0),)
+    links = (LinkState("uav9", -0.6), LinkState("uav8", 0.4), LinkState("uav7", 7.0))
+    alone = (LinkState("uav7", 3.0),)
     lines = _drawn(_state(uav1=_uav(0, links=links), uav2=_uav(1, links=alone)))
     assert "uav9 -0.6✗  uav8 0.4!  uav7 7.0" in _row(lines, "uav1")
     assert "✗ 1 of 2" in _row(lines, "uav2")
@@ -85,7 +87,7 @@ def test_energy_and_silence_have_words() -> None:
 def test_the_screen_fits_its_terminal(width: int, height: int) -> None:
     """No line is longer than the terminal is wide, and no more lines come than it has."""
     events = tuple(
-        FieldEvent(float(k), WARNING, "uav1", f"kind{k}", "something long happened " * 8)
+        _event(float(k), WARN, "uav1", f"kind{k}", ("something long happened " * 8).strip())
         for k in range(30)
     )
     lines = _drawn(_state(20, events), width, height)
@@ -102,9 +104,9 @@ def test_uavs_in_trouble_are_shown_first_where_room_is_short() -> None:
 
 def test_warnings_stay_when_newer_notes_come() -> None:
     """The last warning of each kind and UAV outlives notes; the newest event is there too."""
-    dead = FieldEvent(1.0, ERROR, "uav4", "radio", "radio dead")
-    late = FieldEvent(2.0, WARNING, "uav2", "late", "late")
-    notes = [FieldEvent(3.0 + k, INFO, "uav1", "link", f"note {k}") for k in range(50)]
+    dead = _event(1.0, ERROR, "uav4", "radio", "radio dead")
+    late = _event(2.0, WARN, "uav2", "late", "late")
+    notes = [_event(3.0 + k, INFO, "uav1", "link", f"note {k}") for k in range(50)]
     kept, older = shown_events([dead, late, late, *notes], 4)
     assert [one.text for one in kept] == ["radio dead", "late", "note 48", "note 49"]
     assert older == 49
@@ -114,14 +116,15 @@ def test_off_a_terminal_events_come_once_and_a_line_now_and_then() -> None:
     """Each event is one line, at once; how things stand is a line every ten seconds."""
     out = io.StringIO()
     now = [0.0]
-    first = FieldEvent(1.0, WARNING, "uav2", "late", "runs 2.4 s late: slots shifted")
-    second = FieldEvent(2.0, INFO, "uav3", "landed", "down")
-    with FieldScreen(Console(file=out, width=200), lambda: now[0]) as screen:
-        screen.show(_state(events=(first,)))
-        now[0] = LINE_EVERY_S / 2
-        screen.show(_state(events=(first, second)))
-        now[0] = LINE_EVERY_S
-        screen.show(_state(events=(first, second)))
+    first = _event(1.0, WARN, "uav2", "late", "runs 2.4 s late: slots shifted")
+    second = _event(2.0, INFO, "uav3", "landed", "down")
+    screen = FlightScreen(Console(rich=RichConsole(file=out, width=200)), lambda: now[0])
+    screen.show(_state(events=(first,)))
+    now[0] = LINE_EVERY_S / 2
+    screen.show(_state(events=(first, second)))
+    now[0] = LINE_EVERY_S
+    screen.show(_state(events=(first, second)))
+    screen.close()
     lines = out.getvalue().splitlines()
     assert lines[0] == "00:01 ! uav2: runs 2.4 s late: slots shifted"
     assert lines[2] == "00:02 · uav3: down"
@@ -145,9 +148,31 @@ def test_the_line_names_the_worst() -> None:
 def test_a_terminal_keeps_the_last_state() -> None:
     """When the screen is given back, the last state stays on the terminal."""
     out = io.StringIO()
-    console = Console(file=out, width=100, height=24, force_terminal=True)
-    with FieldScreen(console) as screen:
-        screen.show(_state())
+    rich = RichConsole(file=out, width=100, height=24, force_terminal=True)
+    screen = FlightScreen(Console(rich=rich))
+    screen.show(_state())
+    screen.close()
     assert "\x1b[?1049l" in out.getvalue()
     after = out.getvalue().rpartition("\x1b[?1049l")[2]
     assert "07:32 of 12:10" in after
+
+
+def test_what_was_told_before_the_flight_is_not_told_again() -> None:
+    """A line of the operator's own that comes back as an event would stand there twice."""
+    out = io.StringIO()
+    screen = FlightScreen(Console(rich=RichConsole(file=out, width=200)), lambda: 0.0)
+    screen.told("3 vehicles\nlinked")
+    linked = _event(-9.0, INFO, "", "order", "3 vehicles linked")
+    screen.show(_state(events=(linked, _event(0.0, INFO, "", "lift_off", "Lift-off."))))
+    assert "linked" not in out.getvalue().partition("|")[0]
+    assert "Lift-off." in out.getvalue()
+
+
+def test_why_something_went_wrong_is_said_in_full() -> None:
+    """The newest trouble is never cut off; notes give way to it."""
+    why = "uav2 refused to arm: " + "the compass is not healthy, " * 12 + "so says the autopilot"
+    notes = tuple(_event(2.0 + k, INFO, "uav1", "link", f"note {k}") for k in range(30))
+    lines = _drawn(_state(6, (_event(1.0, ERROR, "uav2", "order", why), *notes)), 80, 24)
+    assert len(lines) <= 24
+    assert why in " ".join(" ".join(line.strip() for line in lines).split())
+    assert any("note 29" in line for line in lines)

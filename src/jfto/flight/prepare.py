@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from jfto.conduct.flight_job import FlightJob
-from jfto.conduct.gates import Gates
-from jfto.conduct.settings import LANDED, ConductSettings, Patience
+from jfto.flight.gates import Gates
+from jfto.flight.job import FlightJob
+from jfto.flight.settings import LANDED, ConductSettings, Patience
 from jfto.pipeline.run import Run
 from jfto.planning.scenario_file import SCENARIO_NAME, LoadedScenario
 from jfto.supervision.graph import graph_commands

@@ -1,4 +1,4 @@
-"""The conductor's own node: it hears the graph, gives orders and says what happened."""
+"""The conductor's own node: it listens to the graph, gives orders and says what happened."""
 
 from __future__ import annotations
 
@@ -21,9 +21,8 @@ from sensor_msgs.msg import BatteryState
 from std_msgs.msg import Float64, UInt8MultiArray
 from std_srvs.srv import Trigger
 
-from jfto.conduct.heard import Heard
-from jfto.conduct.seen import Seen
-from jfto.field.keeper import FieldKeeper
+from jfto.flight.fleet_status import FleetStatus, GraphStatus
+from jfto.flight.screen.tracker import FlightTracker
 from jfto_msgs_py.errors import InputError, MessageError
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.records.event import Event
@@ -40,7 +39,7 @@ _LISTEN_S = 1.0
 
 
 class Client:
-    """Subscriptions that feed a `Heard` and a `FieldKeeper`, and clients of the mission services.
+    """Subscriptions that feed a `GraphStatus` and a `FlightTracker`, and the mission services.
 
     `answered` is called from `spin` with verb, success and text of each order's answer.
     """
@@ -50,11 +49,11 @@ class Client:
         node: Any,
         executor: Any,
         plan: Plan,
-        keeper: FieldKeeper,
+        tracker: FlightTracker,
         answered: Callable[[str, bool, str], None],
     ) -> None:
-        self.heard = Heard(tuple(uav.id for uav in plan.uavs))
-        self._node, self._executor, self._keeper = node, executor, keeper
+        self.graph = GraphStatus(tuple(uav.id for uav in plan.uavs))
+        self._node, self._executor, self._tracker = node, executor, tracker
         self._answered = answered
         # Whether the bridge has told how the flights of all ended.
         self.fleet_ended = False
@@ -91,9 +90,9 @@ class Client:
             self._executor.spin_once(timeout_sec=left_s)
         self._exchange()
 
-    def seen(self) -> Seen:
-        """The fleet as it was last heard of."""
-        return self.heard.seen(time.monotonic(), self.now_ns / 1e9)
+    def fleet(self) -> FleetStatus:
+        """The fleet by the last diagnostics."""
+        return self.graph.fleet(time.monotonic(), self.now_ns / 1e9)
 
     def order(self, verb: str) -> None:
         """Call a mission service once it is there; its answer comes through `answered`."""
@@ -129,37 +128,37 @@ class Client:
         self._events.publish(encode_event(event))
 
     def take_poses(self) -> None:
-        """Hand the last pose of each UAV to the keeper."""
+        """Hand the last pose of each UAV to the tracker."""
         poses = dict(self._poses)
         self._poses.clear()
         for uav, data in poses.items():
             self._on_pose(uav, deserialize_message(bytes(data), PoseStamped))
 
     def _on_pose(self, uav: str, message: Any) -> None:
-        self._kept(lambda: self._keeper.take_pose(uav, decode_pose(message)))
+        self._kept(lambda: self._tracker.take_pose(uav, decode_pose(message)))
 
     def _on_diagnostics(self, message: Any) -> None:
-        self._kept(lambda: self.heard.take(decode_diagnostics(message)))
+        self._kept(lambda: self.graph.take(decode_diagnostics(message)))
 
     def _on_event(self, message: Any) -> None:
         def take() -> None:
             event = decode_event(message)
             self.fleet_ended |= event.kind == "landed" and not event.uav_id
-            self._keeper.take_event(event)
+            self._tracker.take_event(event)
 
         self._kept(take)
 
     def _on_lift_off(self, message: Any) -> None:
-        self._kept(lambda: self._keeper.take_lift_off(decode_time(message, "lift_off")))
+        self._kept(lambda: self._tracker.take_lift_off(decode_time(message, "lift_off")))
 
     def _on_adjacency(self, message: Any) -> None:
-        self._kept(lambda: self._keeper.take_adjacency(decode_adjacency(message)))
+        self._kept(lambda: self._tracker.take_adjacency(decode_adjacency(message)))
 
     def _on_battery(self, uav: str, message: Any) -> None:
-        self._keeper.take_battery(uav, float(message.percentage))
+        self._tracker.take_battery(uav, float(message.percentage))
 
     def _on_power(self, uav: str, message: Any) -> None:
-        self._keeper.take_power(uav, float(message.data), self.now_ns)
+        self._tracker.take_power(uav, float(message.data), self.now_ns)
 
     def _kept(self, take: Callable[[], None]) -> None:
         try:
@@ -171,7 +170,7 @@ class Client:
 @contextmanager
 def open_client(
     plan: Plan,
-    keeper: FieldKeeper,
+    tracker: FlightTracker,
     answered: Callable[[str, bool, str], None],
     *,
     use_sim_time: bool,
@@ -189,7 +188,7 @@ def open_client(
         executor.add_node(node)
         try:
             _require_a_quiet_domain(node, executor)
-            yield Client(node, executor, plan, keeper, answered)
+            yield Client(node, executor, plan, tracker, answered)
         finally:
             executor.shutdown()
             node.destroy_node()

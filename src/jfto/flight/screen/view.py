@@ -1,4 +1,4 @@
-"""The field screen as one renderable that fits any terminal."""
+"""The screen of a flight as one renderable that fits any terminal."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from rich.rule import Rule
 from rich.table import Table
 from rich.text import Text
 
-from jfto.field import words
-from jfto.field.selection import shown_events, shown_uavs
-from jfto.field.state import FieldState, UavField
+from jfto.flight.screen import texts
+from jfto.flight.screen.selection import shown_events, shown_uavs
+from jfto.flight.screen.state import FlightState, UavState
+from jfto_msgs_py.records.event import WARN, Event
 
 # From the first width on there is room for batteries, from the second for bars and phases; below
 # the last a UAV takes two lines.
@@ -24,14 +25,14 @@ _FRAME = 6
 _LEAST_EVENTS = 3
 
 
-class FieldView:
+class FlightView:
     """Shows a state: title, network, one row per UAV, events. Nothing of it scrolls away.
 
     Where the terminal is too small for all, what is well gives way to what is not, and the rest
     is counted.
     """
 
-    def __init__(self, state: FieldState) -> None:
+    def __init__(self, state: FlightState) -> None:
         self.state = state
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
@@ -41,27 +42,51 @@ class FieldView:
         room = max(height - _FRAME - _LEAST_EVENTS, per_uav)
         uavs, hidden = shown_uavs(self.state, room // per_uav)
         left = height - _FRAME - per_uav * len(uavs) - (1 if hidden else 0)
-        events, older = shown_events(self.state.events, max(left - 1, _LEAST_EVENTS))
+        events, older = self._events(console, width, max(left - 1, _LEAST_EVENTS))
         parts: list[RenderableType] = [
             self._title(width),
             self._bar(width),
-            _line(words.network(self.state)),
+            _line(texts.network(self.state)),
             _blocks(self.state, uavs) if per_uav == 2 else _table(self.state, uavs, width),
         ]
         if hidden:
-            parts.append(words.left_out(hidden, self.state.k_min))
-        parts.append(Rule("what happened", style=words.SOFT, align="left"))
-        parts += [_line(words.event(one)) for one in events]
+            parts.append(texts.left_out(hidden, self.state.k_min))
+        parts.append(Rule("what happened", style=texts.SOFT, align="left"))
+        parts += events
         if older:
-            parts.append(Text(f"and {older} more in the log", words.SOFT))
+            parts.append(Text(f"and {older} more in the log", texts.SOFT))
         yield Group(*parts)
+
+    def _events(self, console: Console, width: int, room: int) -> tuple[list[Text], int]:
+        """Events in at most `room` lines, and how many are left out.
+
+        Where there is room they are said in full, trouble first; the newest trouble always is.
+        """
+        state = self.state
+
+        def more(one: Event) -> int:
+            """Lines beyond the first that an event takes in full."""
+            return len(texts.event(one, state.lift_off_ns).wrap(console, width)) - 1
+
+        newest = next((one for one in reversed(state.events) if one.level >= WARN), None)
+        kept = 0 if newest is None else min(more(newest), room - 1)
+        shown, older = shown_events(state.events, room - kept)
+        spare = room - len(shown)
+        lines = {
+            index: _line(texts.event(one, state.lift_off_ns)) for index, one in enumerate(shown)
+        }
+        for index in sorted(lines, key=lambda index: (shown[index].level < WARN, -index)):
+            if more(shown[index]) <= spare:
+                spare -= more(shown[index])
+                lines[index] = texts.event(shown[index], state.lift_off_ns)
+        return list(lines.values()), older
 
     def _title(self, width: int) -> RenderableType:
         state = self.state
         left = Text(state.title, "bold").append(f"   {state.doing}", "bold cyan")
         if width >= _NARROW:
-            left.append(f"   {words.fleet(state)}", "")
-        right = Text(f"{words.clock(state.clock_s)} of {words.clock(state.horizon_s)}", "bold")
+            left.append(f"   {texts.fleet(state)}", "")
+        right = Text(f"{texts.clock(state.clock_s)} of {texts.clock(state.horizon_s)}", "bold")
         grid = Table.grid(expand=True)
         grid.add_column(no_wrap=True, overflow="ellipsis", ratio=1)
         grid.add_column(justify="right", no_wrap=True)
@@ -85,37 +110,37 @@ class FieldView:
         return grid
 
 
-def _table(state: FieldState, uavs: Sequence[UavField], width: int) -> Table:
+def _table(state: FlightState, uavs: Sequence[UavState], width: int) -> Table:
     wide = width >= _WIDE
-    columns: list[tuple[str, Callable[[UavField], Text]]] = [("UAV", words.name)]
-    columns += [("", words.phase), ("timing", words.timing)] if wide else [("", words.status)]
-    columns += [("waypoints, next", words.waypoint)]
-    columns += [("energy", partial(words.energy, bar=wide))]
+    columns: list[tuple[str, Callable[[UavState], Text]]] = [("UAV", texts.name)]
+    columns += [("", texts.phase), ("timing", texts.timing)] if wide else [("", texts.status)]
+    columns += [("waypoints, next", texts.waypoint)]
+    columns += [("energy", partial(texts.energy, bar=wide))]
     if width >= _WIDEST and any(uav.battery_percent is not None for uav in uavs):
-        columns += [("battery", words.battery)]
-    table = Table(box=None, expand=True, pad_edge=False, header_style=words.SOFT)
+        columns += [("battery", texts.battery)]
+    table = Table(box=None, expand=True, pad_edge=False, header_style=texts.SOFT)
     for title, _ in columns:
         table.add_column(title, no_wrap=True)
     table.add_column("linked to, dB to spare", ratio=1, no_wrap=True, overflow="ellipsis")
     for uav in uavs:
         cells = [cell(uav) for _, cell in columns]
-        table.add_row(*cells, words.links(uav, state.k_min, _MOST_LINKS))
+        table.add_row(*cells, texts.links(uav, state.k_min, _MOST_LINKS))
     return table
 
 
-def _blocks(state: FieldState, uavs: Sequence[UavField]) -> RenderableType:
+def _blocks(state: FlightState, uavs: Sequence[UavState]) -> RenderableType:
     """Two lines per UAV, for narrow terminals."""
     lines = []
     for uav in uavs:
-        head = words.name(uav)
-        for part in (words.status(uav), words.waypoint(uav), words.energy(uav, bar=False)):
+        head = texts.name(uav)
+        for part in (texts.status(uav), texts.waypoint(uav), texts.energy(uav, bar=False)):
             head.append("  ").append_text(part)
         lines += [_line(head), _line(Text("    ").append_text(_few_links(state, uav)))]
     return Group(*lines)
 
 
-def _few_links(state: FieldState, uav: UavField) -> Text:
-    return words.links(uav, state.k_min, 3)
+def _few_links(state: FlightState, uav: UavState) -> Text:
+    return texts.links(uav, state.k_min, 3)
 
 
 def _line(text: Text) -> Text:

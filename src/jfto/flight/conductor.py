@@ -1,4 +1,4 @@
-"""The flight as a state machine: it hears what is seen and answered, and says what is to be done.
+"""The flight as a state machine: from the fleet's status and answers to what is to be done.
 
 It knows no ROS and no clock of its own. Every state has an end in time, and every end says in one
 line what happened and what state the vehicles are in.
@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from enum import Enum
 
-from jfto.conduct.actions import ERROR, WARN, Action, Ask, Order, Tell
-from jfto.conduct.outcome import Ending, Outcome
-from jfto.conduct.seen import Seen
-from jfto.conduct.settings import ARM, UPLOAD, ConductSettings
+from jfto.flight.actions import ERROR, WARN, Action, Ask, Order, Tell
+from jfto.flight.fleet_status import FleetStatus
+from jfto.flight.outcome import Ending, Outcome
+from jfto.flight.settings import ARM, UPLOAD, ConductSettings
 
 
 class Stage(Enum):
@@ -33,15 +33,15 @@ _VERBS = {Stage.UPLOAD: "upload", Stage.CHECK: "check", Stage.START: "start", St
 
 
 class Conductor:
-    """Feed `step` with what is seen, `answered`, `confirmed`, `interrupt` and `bridge_died` as it
-    happens, and do what `actions` returns. `outcome` is there in the end.
+    """Feed `step` with the fleet's status, and `answered`, `confirmed`, `interrupt` and
+    `bridge_died` as it happens; do what `actions` returns. `outcome` is there in the end.
     """
 
     def __init__(self, settings: ConductSettings) -> None:
         self.settings = settings
         self.stage = Stage.LINK
         self.outcome: Outcome | None = None
-        self._seen = Seen(0.0, 0.0, "not started", planned=False)
+        self._fleet = FleetStatus(0.0, 0.0, "not started", planned=False)
         self._since: tuple[float, float] | None = None
         self._actions: list[Action] = []
         self._pending = ""
@@ -57,14 +57,14 @@ class Conductor:
         actions, self._actions = self._actions, []
         return actions
 
-    def step(self, seen: Seen) -> None:
+    def step(self, fleet: FleetStatus) -> None:
         """Look at the fleet; call it a few times a second."""
-        self._seen = seen
+        self._fleet = fleet
         if self._since is None:
-            self._since = (seen.now_s, seen.fleet_s)
+            self._since = (fleet.now_s, fleet.fleet_s)
         if self.stage not in _EARLY:
-            self._risen |= {name for name, uav in seen.uavs.items() if uav.heard and uav.armed}
-        if self._pending and seen.now_s - self._ordered_s > self._limit_s():
+            self._risen |= {name for name, uav in fleet.uavs.items() if uav.linked and uav.armed}
+        if self._pending and fleet.now_s - self._ordered_s > self._limit_s():
             self._overdue()
         elif self._lost_answer:
             self._go_on_after_a_restart()
@@ -89,7 +89,7 @@ class Conductor:
             self._succeeded()
         elif self.stage == Stage.START:
             # A start that was broken off calls the others home; they are followed down.
-            self._turn_home(f"The start was refused: {text}", order=not self._seen.all_down)
+            self._turn_home(f"The start was refused: {text}", order=not self._fleet.all_down)
         else:
             self._end(Ending.REFUSED, f"{text} Nothing was armed.")
 
@@ -138,13 +138,13 @@ class Conductor:
     # --- stages
 
     def _link(self) -> None:
-        seen = self._seen
-        if seen.all_heard and seen.planned:
-            self._tell(f"{len(seen.uavs)} vehicles linked")
+        fleet = self._fleet
+        if fleet.all_linked and fleet.planned:
+            self._tell(f"{len(fleet.uavs)} vehicles linked")
             self._enter(Stage.UPLOAD)
         elif self._wall_s() > self.settings.patience.link_s:
-            silent = [name for name, uav in seen.uavs.items() if not uav.heard]
-            why = seen.note or (f"{', '.join(silent)} not heard" if silent else "no plan came")
+            silent = [name for name, uav in fleet.uavs.items() if not uav.linked]
+            why = fleet.note or (f"{', '.join(silent)} not heard" if silent else "no plan came")
             self._end(
                 Ending.REFUSED,
                 f"Not linked within {self.settings.patience.link_s:.0f} s: {why}. Nothing was "
@@ -186,7 +186,7 @@ class Conductor:
             self._turn_home("")
 
     def _home(self) -> None:
-        seen = self._seen
+        fleet = self._fleet
         if self._everybody_ended() and not self._pending:
             self._land()
         elif self._over_time(self.settings.home_s):
@@ -195,13 +195,13 @@ class Conductor:
                 f"{self._why} {self._up()} not known to be down {self.settings.home_s:.0f} s "
                 "after home was ordered. Look for them; jfto mission order return calls again.",
             )
-        elif not self._pending and seen.now_s >= self._again_s and self._needs_home():
+        elif not self._pending and fleet.now_s >= self._again_s and self._needs_home():
             self._order("abort")
 
     def _land(self) -> None:
-        """Nobody flies any more that is heard: say who is down and who is not heard."""
-        gone, count = self._up(), len(self._seen.uavs)
-        down = sum(uav.down for uav in self._seen.uavs.values())
+        """Nobody flies any more whose link is up: say who is down and who is silent."""
+        gone, count = self._up(), len(self._fleet.uavs)
+        down = sum(uav.down for uav in self._fleet.uavs.values())
         if gone:
             text = f"{self._why} {down} of {count} vehicles are down; {gone} is left to its own "
             self._end(Ending.LOST, f"{text}failsafes.".strip())
@@ -218,7 +218,7 @@ class Conductor:
         verb, self._pending = self._pending, ""
         text = f"{verb}: no answer within {self._limit_s(verb):.0f} s."
         if verb == "abort":
-            self._again_s = self._seen.now_s
+            self._again_s = self._fleet.now_s
             self._tell(f"{text} Ordering home again.", ERROR)
         elif self.stage == Stage.START:
             self._turn_home(f"{text} Home was ordered.")
@@ -227,18 +227,18 @@ class Conductor:
 
     def _go_on_after_a_restart(self) -> None:
         """The bridge is up again: repeat what can be repeated, find out what else was done."""
-        seen = self._seen
-        if not seen.all_heard:
+        fleet = self._fleet
+        if not fleet.all_linked:
             if self._wall_s() > self.settings.patience.link_s + self.settings.patience.order_s:
                 self._lost_answer = False
                 self.gave_up("The bridge died and did not find all vehicles again.")
             return
         self._lost_answer = False
         verb = _VERBS[self.stage]
-        if self.stage != Stage.START or seen.all_down:
+        if self.stage != Stage.START or fleet.all_down:
             self._tell(f"The bridge died during {verb}; it is back, and {verb} is repeated.", WARN)
             self._order(verb)
-        elif all(uav.armed and uav.mode == "AUTO" for uav in seen.uavs.values()):
+        elif all(uav.armed and uav.mode == "AUTO" for uav in fleet.uavs.values()):
             self._tell("The bridge died during the start; it is back, and all fly.", WARN)
             self._enter(Stage.FLY)
         else:
@@ -254,24 +254,24 @@ class Conductor:
             self._order("abort")
 
     def _needs_home(self) -> bool:
-        """Whether somebody who is heard flies and is not on the way home or down."""
+        """Whether somebody whose link is up flies and is not on the way home or down."""
         return any(
-            uav.heard and uav.armed and uav.mode not in {"RTL", "LAND", "SMART_RTL"}
-            for uav in self._seen.uavs.values()
+            uav.linked and uav.armed and uav.mode not in {"RTL", "LAND", "SMART_RTL"}
+            for uav in self._fleet.uavs.values()
         )
 
     # --- what all of them use
 
     def _enter(self, stage: Stage) -> None:
         self.stage = stage
-        self._since = (self._seen.now_s, self._seen.fleet_s)
+        self._since = (self._fleet.now_s, self._fleet.fleet_s)
         self._flown |= stage == Stage.START
         if stage in _VERBS and stage != Stage.HOME:
             self._order(_VERBS[stage])
 
     def _order(self, verb: str) -> None:
-        self._pending, self._ordered_s = verb, self._seen.now_s
-        self._again_s = self._seen.now_s + self.settings.patience.again_s
+        self._pending, self._ordered_s = verb, self._fleet.now_s
+        self._again_s = self._fleet.now_s + self.settings.patience.again_s
         self._actions.append(Order(verb))
 
     def _tell(self, text: str, level: int = 20) -> None:
@@ -284,26 +284,26 @@ class Conductor:
     def _everybody_ended(self) -> bool:
         """Whether everybody is down, or silent for so long that nobody waits any more.
 
-        Right after an order what is seen may be older than the order.
+        Right after an order the status may be older than the order.
         """
-        seen = self._seen
-        if seen.note or not seen.uavs:
+        fleet = self._fleet
+        if fleet.note or not fleet.uavs:
             return False
         settled = self._wall_s() > self.settings.patience.settle_s
         return all(
             (uav.down and (settled or name in self._risen)) or uav.silent_s > self.settings.lost_s
-            for name, uav in seen.uavs.items()
+            for name, uav in fleet.uavs.items()
         )
 
     def _up(self) -> str:
         """Who is not known to be down, "" if all are."""
-        return ", ".join(name for name, uav in self._seen.uavs.items() if not uav.down)
+        return ", ".join(name for name, uav in self._fleet.uavs.items() if not uav.down)
 
     def _wall_s(self) -> float:
-        return self._seen.now_s - (self._since or (self._seen.now_s, 0.0))[0]
+        return self._fleet.now_s - (self._since or (self._fleet.now_s, 0.0))[0]
 
     def _fleet_s(self) -> float:
-        return self._seen.fleet_s - (self._since or (0.0, self._seen.fleet_s))[1]
+        return self._fleet.fleet_s - (self._since or (0.0, self._fleet.fleet_s))[1]
 
     def _over_time(self, fleet_s: float) -> bool:
         return self._fleet_s() > fleet_s or self._wall_s() > self.settings.wall_s(fleet_s)

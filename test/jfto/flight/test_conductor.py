@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import pytest
 
-from jfto.conduct.actions import Ask, Order, Tell
-from jfto.conduct.conductor import Conductor, Stage
-from jfto.conduct.outcome import Ending
-from jfto.conduct.seen import Seen, UavSeen
-from jfto.conduct.settings import ARM, UPLOAD, ConductSettings
+from jfto.flight.actions import Ask, Order, Tell
+from jfto.flight.conductor import Conductor, Stage
+from jfto.flight.fleet_status import FleetStatus, VehicleStatus
+from jfto.flight.outcome import Ending
+from jfto.flight.settings import ARM, UPLOAD, ConductSettings
 
-PAD = UavSeen(heard=True, silent_s=0.5, armed=False, mode="GUIDED")
-UP = UavSeen(heard=True, silent_s=0.5, armed=True, mode="AUTO")
-BACK = UavSeen(heard=True, silent_s=0.5, armed=True, mode="RTL")
-GONE = UavSeen(heard=False, silent_s=500.0, armed=True, mode="AUTO")
+PAD = VehicleStatus(linked=True, silent_s=0.5, armed=False, mode="GUIDED")
+UP = VehicleStatus(linked=True, silent_s=0.5, armed=True, mode="AUTO")
+BACK = VehicleStatus(linked=True, silent_s=0.5, armed=True, mode="RTL")
+GONE = VehicleStatus(linked=False, silent_s=500.0, armed=True, mode="AUTO")
 
 
 class Stand:
@@ -24,11 +24,13 @@ class Stand:
         self.now_s = 1000.0
         self.done: list[object] = []
 
-    def see(self, first: UavSeen, second: UavSeen, after_s: float = 1.0, note: str = "") -> None:
+    def see(
+        self, first: VehicleStatus, second: VehicleStatus, after_s: float = 1.0, note: str = ""
+    ) -> None:
         """Let time pass and look."""
         self.now_s += after_s
         uavs = {} if note else {"uav1": first, "uav2": second}
-        self.conductor.step(Seen(self.now_s, self.now_s, note, not note, uavs))
+        self.conductor.step(FleetStatus(self.now_s, self.now_s, note, not note, uavs))
         self.done += self.conductor.actions()
 
     def answer(self, verb: str, *, success: bool = True, text: str = "fine.") -> None:
@@ -126,8 +128,8 @@ def test_a_refused_upload_ends_it_with_the_reason() -> None:
 def test_vehicles_that_are_not_heard_are_not_waited_for_without_end() -> None:
     """The line names them."""
     stand = Stand()
-    stand.see(PAD, UavSeen())
-    stand.see(PAD, UavSeen(), after_s=181.0)
+    stand.see(PAD, VehicleStatus())
+    stand.see(PAD, VehicleStatus(), after_s=181.0)
     assert stand.conductor.outcome is not None
     assert "uav2 not heard. Nothing was armed." in stand.conductor.outcome.text
 

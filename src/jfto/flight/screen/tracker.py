@@ -1,4 +1,4 @@
-"""Keeps what a running flight tells, and makes the field screen's state of it."""
+"""Follows a running flight by what it publishes, and makes the screen's state of it."""
 
 from __future__ import annotations
 
@@ -7,12 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from jfto.field import phases
-from jfto.field.state import ERROR, INFO, WARNING, FieldEvent, FieldState, LinkField, UavField
+from jfto.flight.screen import phases
+from jfto.flight.screen.state import FlightState, LinkState, UavState
 from jfto_msgs_py.network import Adjacency
 from jfto_msgs_py.plan import Plan
-from jfto_msgs_py.records.event import ERROR as ERROR_LEVEL
-from jfto_msgs_py.records.event import WARN, Event
+from jfto_msgs_py.records.event import Event
 from jfto_msgs_py.units import dbm_to_w, ratio_to_db
 from jfto_msgs_py.vehicle import VehiclePose
 from jfto_planner.plan_trajectory import timed_trajectories
@@ -27,7 +26,7 @@ _EVENTS_KEPT = 500
 _AT_S = 0.05
 
 
-class FieldKeeper:
+class FlightTracker:
     """Feed it records as messages come, and ask for `state` whenever the screen is drawn.
 
     Times are ns since the epoch on the vehicles' clock. Not safe across threads.
@@ -39,11 +38,10 @@ class FieldKeeper:
         self._channel = make_channel(plan.radio)
         self._sensitivity_w = float(dbm_to_w(plan.radio.sensitivity_dbm))
         self._prediction = FleetPrediction()
-        self._book = EnergyAccount({uav.id: uav.energy_j for uav in plan.uavs}, zero_ns=0)
+        self._energy = EnergyAccount({uav.id: uav.energy_j for uav in plan.uavs}, zero_ns=0)
         self._start_ns: int | None = None
         self._poses: dict[str, VehiclePose] = {}
         self._power_w: dict[str, float] = {}
-        self._drained_j: dict[str, float] = {}
         self._battery: dict[str, float] = {}
         self._landed: set[str] = set()
         # How late each was that has done its route.
@@ -59,8 +57,8 @@ class FieldKeeper:
         self._finished.clear()
         for uav, trajectory in timed_trajectories(self._plan, start_ns).items():
             self._prediction.set_trajectory(uav, trajectory)
-        self._book = EnergyAccount(self._book.budget_j, zero_ns=0)
-        self._book.set_powers(start_ns, self._power_w)
+        self._energy = EnergyAccount(self._energy.budget_j, zero_ns=0)
+        self._energy.set_powers(start_ns, self._power_w)
 
     def take_pose(self, uav: str, pose: VehiclePose) -> None:
         """A measured pose; one older than the last is ignored."""
@@ -71,11 +69,7 @@ class FieldKeeper:
         """The power that is in force from now on, -inf for silence."""
         self._power_w[uav] = float(dbm_to_w(dbm))
         if self._start_ns is not None:
-            self._book.set_powers(now_ns, {uav: self._power_w[uav]})
-
-    def take_drained(self, uav: str, joules: float) -> None:
-        """Energy that the radio is measured to have used; it counts instead of our own book."""
-        self._drained_j[uav] = joules
+            self._energy.set_powers(now_ns, {uav: self._power_w[uav]})
 
     def take_battery(self, uav: str, share: float) -> None:
         """Flight battery, 0 to 1 as in sensor_msgs/BatteryState; not a number where unknown."""
@@ -94,19 +88,19 @@ class FieldKeeper:
         if event.kind == "landed":
             self._landed |= {event.uav_id} if event.uav_id else set(self._ids)
 
-    def state(self, now_ns: int, doing: str = "") -> FieldState:
+    def state(self, now_ns: int, doing: str = "") -> FlightState:
         """How everything stands; `doing` says what the fleet is at, found out where empty."""
         clock_s = None if self._start_ns is None else (now_ns - self._start_ns) / 1e9
         spare_db = self._spare_db()
         slot, active = self._current(now_ns)
         if self._start_ns is not None:
-            self._book.advance(now_ns)
+            self._energy.advance(now_ns)
         uavs = tuple(
             self._uav(index, now_ns, clock_s, spare_db, active) for index in range(len(self._ids))
         )
         if slot < 0 and clock_s is not None and clock_s >= 0:
             slot = min(int(clock_s / self._plan.slots.duration_s), self._plan.slots.count)
-        return FieldState(
+        return FlightState(
             title=self._title,
             doing=doing or phases.fleet_doing(clock_s, uavs),
             clock_s=clock_s,
@@ -116,7 +110,8 @@ class FieldKeeper:
             k_min=self._plan.k_min,
             parts=self._parts(uavs, spare_db),
             uavs=uavs,
-            events=tuple(self._field_event(event) for event in self._events),
+            events=tuple(self._events),
+            lift_off_ns=self._start_ns,
         )
 
     def _uav(
@@ -126,7 +121,7 @@ class FieldKeeper:
         clock_s: float | None,
         spare_db: NDArray[np.float64],
         active: NDArray[np.bool_] | None,
-    ) -> UavField:
+    ) -> UavState:
         uav, route = self._plan.uavs[index], self._plan.routes[index]
         pose = self._poses.get(uav.id)
         age_s = None if pose is None else max((now_ns - pose.stamp_ns) / 1e9, 0.0)
@@ -147,7 +142,7 @@ class FieldKeeper:
         phase = phases.phase_of(
             self._plan, index, pose, age_s, clock_s, done, landed=uav.id in self._landed
         )
-        return UavField(
+        return UavState(
             id=uav.id,
             index=index,
             phase=phase,
@@ -155,18 +150,13 @@ class FieldKeeper:
             total=len(arrivals),
             next_in_s=next_in_s,
             late_s=late_s,
-            energy_left_j=self._energy_left_j(uav.id, uav.energy_j),
+            energy_left_j=self._energy.left_j[uav.id],
             energy_budget_j=uav.energy_j,
             battery_percent=self._battery.get(uav.id),
             tx_dbm=self._tx_dbm(uav.id),
             links=self._links(index, spare_db, active),
             age_s=age_s,
         )
-
-    def _energy_left_j(self, uav: str, budget_j: float) -> float:
-        if uav in self._drained_j:
-            return budget_j - self._drained_j[uav]
-        return self._book.left_j[uav]
 
     def _tx_dbm(self, uav: str) -> float | None:
         power_w = self._power_w.get(uav)
@@ -197,27 +187,22 @@ class FieldKeeper:
 
     def _links(
         self, index: int, spare_db: NDArray[np.float64], active: NDArray[np.bool_] | None
-    ) -> tuple[LinkField, ...]:
+    ) -> tuple[LinkState, ...]:
         """Active links with what they can lose; before there is a topology, whoever hears whom."""
         found = []
         for other, name in enumerate(self._ids):
             spare = float(spare_db[index, other])
             wanted = spare >= 0 if active is None else bool(active[index, other])
             if other != index and wanted and not np.isnan(spare):
-                found.append(LinkField(name, spare))
+                found.append(LinkState(name, spare))
         return tuple(found)
 
-    def _parts(self, uavs: Sequence[UavField], spare_db: NDArray[np.float64]) -> int:
+    def _parts(self, uavs: Sequence[UavState], spare_db: NDArray[np.float64]) -> int:
         present = np.array([uav.phase in phases.IN_THE_AIR for uav in uavs])
         if not present.any():
-            present = np.array([uav.phase in phases.HEARD for uav in uavs])
+            present = np.array([uav.phase in phases.LINKED for uav in uavs])
         present &= ~np.isnan(np.diagonal(spare_db))
         linked = spare_db >= 0
         np.fill_diagonal(linked, val=False)
         label = components(linked[None], present[None])
         return int(label.max(initial=-1)) + 1
-
-    def _field_event(self, event: Event) -> FieldEvent:
-        at_s = None if self._start_ns is None else (event.stamp_ns - self._start_ns) / 1e9
-        level = INFO if event.level < WARN else WARNING if event.level < ERROR_LEVEL else ERROR
-        return FieldEvent(at_s, level, event.uav_id, event.kind, event.text)

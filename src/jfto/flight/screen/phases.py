@@ -7,12 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from jfto.field.state import FLYING, HOLDING, HOME, LANDED, PAD, SILENT, UNHEARD, UavField
+from jfto.flight.screen.state import FLYING, HOLDING, HOME, LANDED, PAD, SILENT, UNHEARD, UavState
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.vehicle import VehiclePose
 
 IN_THE_AIR = frozenset({FLYING, HOLDING, HOME})
-HEARD = frozenset({PAD, FLYING, HOLDING, HOME})
+LINKED = frozenset({PAD, FLYING, HOLDING, HOME})
 # Poses come several times a second.
 SILENT_AFTER_S = 3.0
 # A vehicle within this of where it should hold does hold.
@@ -53,7 +53,7 @@ def _after_last(plan: Plan, index: int, here_m: NDArray[np.float64]) -> str:
     return HOLDING if np.linalg.norm(here_m - last) < _NEAR_M else HOME
 
 
-def fleet_doing(clock_s: float | None, uavs: Sequence[UavField]) -> str:
+def fleet_doing(clock_s: float | None, uavs: Sequence[UavState]) -> str:
     """What the fleet as a whole is at."""
     if uavs and all(uav.phase == LANDED for uav in uavs):
         return LANDED

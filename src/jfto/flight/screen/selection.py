@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from jfto.field.state import INFO, FieldEvent, FieldState, UavField
-from jfto.field.words import troubles
+from jfto.flight.screen.state import FlightState, UavState
+from jfto.flight.screen.texts import troubles
+from jfto_msgs_py.records.event import WARN, Event
 
 
-def shown_uavs(state: FieldState, room: int) -> tuple[tuple[UavField, ...], tuple[UavField, ...]]:
+def shown_uavs(state: FlightState, room: int) -> tuple[tuple[UavState, ...], tuple[UavState, ...]]:
     """At most `room` UAVs in the fleet's order, those with most amiss kept; and the others."""
     if len(state.uavs) <= room:
         return state.uavs, ()
@@ -20,7 +21,7 @@ def shown_uavs(state: FieldState, room: int) -> tuple[tuple[UavField, ...], tupl
     )
 
 
-def shown_events(events: Sequence[FieldEvent], room: int) -> tuple[tuple[FieldEvent, ...], int]:
+def shown_events(events: Sequence[Event], room: int) -> tuple[tuple[Event, ...], int]:
     """At most `room` events, oldest first, and how many are left out.
 
     The newest stays, then the last warning of each kind and UAV, newest first, then what is left,
@@ -28,8 +29,8 @@ def shown_events(events: Sequence[FieldEvent], room: int) -> tuple[tuple[FieldEv
     """
     last: dict[tuple[str, str], int] = {}
     for index, one in enumerate(events):
-        if one.level != INFO:
-            last[one.uav, one.kind] = index
+        if one.level >= WARN:
+            last[one.uav_id, one.kind] = index
     newest_first = range(len(events) - 1, -1, -1)
     pinned = sorted(last.values(), reverse=True)
     kept = sorted(list(dict.fromkeys([*newest_first[:1], *pinned, *newest_first]))[:room])

@@ -1,1 +1,0 @@
-"""Takes a fleet through its flight: link, upload, check, start, follow, home."""

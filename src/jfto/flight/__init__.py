@@ -1,0 +1,1 @@
+"""Flies a plan over the node graph: link, upload, check, start, follow, home."""
