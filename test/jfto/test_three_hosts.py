@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -24,6 +25,7 @@ SCENARIO = QUICK | {"fleet.speed_mps": [0.5]}
 # Three processes must start, on a computer that may be busy.
 LIMIT_S = 240.0
 HOSTS = ("planner", "topology", "power")
+DISCOVERY = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 # Runs on the third host too, as somebody who joins there and waits for the graph's last word.
 LISTENER = """
 from jfto_msgs_py.ros.installation import require_ros
@@ -40,6 +42,31 @@ found, message = wait_for_message(Float64MultiArray, node, topics.POWER_SCHEDULE
 print(",".join(decode_power_schedule(message).uav_ids) if found else "nothing")
 node.destroy_node()
 rclpy.shutdown()
+"""
+TALKER = """
+from jfto_msgs_py.ros.installation import require_ros
+require_ros()
+import rclpy
+from std_msgs.msg import Empty
+rclpy.init(args=[])
+node = rclpy.create_node("talker")
+talk = node.create_publisher(Empty, "talk", 10)
+node.create_timer(0.1, lambda: talk.publish(Empty()))
+rclpy.spin(node)
+"""
+HEARER = """
+from jfto_msgs_py.ros.installation import require_ros
+require_ros()
+import rclpy
+from std_msgs.msg import Empty
+rclpy.init(args=[])
+node, heard = rclpy.create_node("hearer"), []
+def hear(message):
+    heard.append(message)
+    print("heard", len(heard), flush=True)
+node.create_subscription(Empty, "talk", hear, 10)
+print("ready", flush=True)
+rclpy.spin(node)
 """
 
 
@@ -61,10 +88,13 @@ def _reason_to_skip() -> str:
 
 
 class _Hosts:
-    """Three namespaces on a switch in a fourth that loses 10 % of frames and delays all 50 ms."""
+    """Three namespaces on a switch in a fourth that loses 10 % of frames and delays all 50 ms.
 
-    def __init__(self, stack: ExitStack) -> None:
-        self.stack = stack
+    With `multicast` hosts look for one another on the network; else they are given addresses.
+    """
+
+    def __init__(self, stack: ExitStack, *, multicast: bool) -> None:
+        self.stack, self._multicast = stack, multicast
         self._prefix = f"jfto{os.getpid()}"
         self.address = {host: f"10.213.0.{number}" for number, host in enumerate(HOSTS, 1)}
         switch = self._namespace("switch")
@@ -76,7 +106,10 @@ class _Hosts:
             self._in(switch, "ip", "link", "set", port, "up")
             self._in(space, "ip", "address", "add", f"{self.address[host]}/24", "dev", "eth0")
             self._in(space, "ip", "link", "set", "lo", "up")
-            self._in(space, "ip", "link", "set", "eth0", "multicast", "off", "up")
+            switched = "on" if multicast else "off"
+            self._in(space, "ip", "link", "set", "eth0", "multicast", switched, "up")
+            if multicast:
+                self._in(space, "ip", "route", "add", "224.0.0.0/4", "dev", "eth0")
         forwarder = subprocess.Popen(
             ["ip", "netns", "exec", switch, sys.executable, lossy_switch.__file__,
              "0.1", "0.05", "1", *ports],
@@ -97,20 +130,19 @@ class _Hosts:
     def _in(self, space: str, *command: str) -> None:
         _run("ip", "netns", "exec", space, *command)
 
-    def start(self, host: str, *command: str, log: Path) -> subprocess.Popen:
-        """A Python process on a host, which knows the others by address only."""
+    def start(self, host: str, *command: str, log: Path, asked: bool = True) -> subprocess.Popen:
+        """A Python process on a host, which looks for the others where it is `asked` to."""
         others = ";".join(self.address[other] for other in HOSTS if other != host)
+        environment = {name: each for name, each in os.environ.items() if name != DISCOVERY}
+        if asked and self._multicast:
+            environment[DISCOVERY] = "SUBNET"
+        elif asked:
+            environment |= {DISCOVERY: "LOCALHOST", "ROS_STATIC_PEERS": others}
         source = str(Path(__file__).parents[2] / "src")
         with log.open("w") as output:
             process = subprocess.Popen(
                 ["ip", "netns", "exec", f"{self._prefix}{host}", sys.executable, *command],
-                env={
-                    **os.environ,
-                    "PYTHONPATH": source,
-                    "ROS_DOMAIN_ID": "0",
-                    "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
-                    "ROS_STATIC_PEERS": others,
-                },
+                env={**environment, "PYTHONPATH": source, "ROS_DOMAIN_ID": "0"},
                 stdout=output,
                 stderr=subprocess.STDOUT,
             )
@@ -133,8 +165,13 @@ def _params_file(path: Path) -> Path:
     return path
 
 
-def test_three_hosts_converge_over_a_bad_radio(tmp_path) -> None:
-    """With 10 % loss, 50 ms delay each way, static peers and no multicast a schedule comes."""
+@pytest.mark.parametrize("multicast", [False, True], ids=["static peers", "subnet"])
+def test_three_hosts_converge_over_a_bad_radio(tmp_path, multicast) -> None:
+    """With 10 % loss and 50 ms delay each way a schedule comes.
+
+    Hosts find one another by ROS_STATIC_PEERS where there is no multicast, else by looking through
+    the SUBNET.
+    """
     reason = _reason_to_skip()
     if reason:
         pytest.skip(reason)
@@ -151,7 +188,7 @@ def test_three_hosts_converge_over_a_bad_radio(tmp_path) -> None:
     where = {"planner_node": "planner", "pose_player": "planner", "topology_node": "topology",
              "power_node": "power"}  # fmt: skip
     with ExitStack() as stack:
-        hosts = _Hosts(stack)
+        hosts = _Hosts(stack, multicast=multicast)
         for name, options in own.items():
             hosts.start(
                 where[name], "-m", "jfto.nodes", name, "--ros-args", "--params-file", params,
@@ -163,6 +200,29 @@ def test_three_hosts_converge_over_a_bad_radio(tmp_path) -> None:
         _await(listener)
         logs = {file.name: file.read_text() for file in tmp_path.glob("*.log")}
     assert logs["listener.log"].split() == ["uav1,uav2,uav3"], logs
+
+
+def test_nodes_keep_to_their_computer_unless_asked(tmp_path) -> None:
+    """On a network with multicast, where ROS 2 by itself would find everybody."""
+    reason = _reason_to_skip()
+    if reason:
+        pytest.skip(reason)
+    with ExitStack() as stack:
+        hosts = _Hosts(stack, multicast=True)
+        logs = {name: tmp_path / f"{name}.log" for name in ("near", "far", "talker")}
+        for name, host in (("far", "topology"), ("near", "planner")):
+            hosts.start(host, "-c", HEARER, log=logs[name], asked=False)
+        _until(lambda: all("ready" in logs[name].read_text() for name in ("near", "far")))
+        hosts.start("planner", "-c", TALKER, log=logs["talker"], asked=False)
+        _until(lambda: "heard 30" in logs["near"].read_text())
+        assert logs["far"].read_text().split() == ["ready"]
+
+
+def _until(condition: Callable[[], bool]) -> None:
+    end, tick = time.monotonic() + LIMIT_S, threading.Event()
+    while not condition():
+        assert time.monotonic() < end
+        tick.wait(0.05)
 
 
 def _await(process: subprocess.Popen) -> None:
