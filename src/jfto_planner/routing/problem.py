@@ -3,37 +3,56 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.types import Array
-from jfto_world.motion import MotionLimits, TimeModel
+from jfto_world.motion import ConstantSpeed, MotionLimits, TimeModel
 
 EnergyFloor = Callable[[Array, float], Array]
 
 # Sets of UAVs are the bits of one machine word.
 MOST_UAVS = 64
+# Limits that bind nothing, for problems that are not about them.
+A_DAY_S = 86_400.0
+ANY_LENGTH_M = 1e9
 
 
 @dataclass(frozen=True)
 class RoutingProblem:
     """Everything that (P1) depends on.
 
+    Four fields make a problem, the others have defaults:
+
+    >>> import numpy as np
+    >>> from jfto_planner import RoutingProblem, SearchSettings, search
+    >>> waypoints, starts = np.random.default_rng(0).uniform(0, 900, (40, 3)), 100 * np.eye(3)
+    >>> problem = RoutingProblem(waypoints, starts, reach_m=np.array([900.0]), k_min=1)
+    >>> found = search(problem, SearchSettings(moves=100_000), seed=1)
+
     Parameters
     ----------
     waypoints_m, starts_m
         Waypoints (W, 3) and one pad per UAV (A, 3), ENU metres.
-    limits, time_model
-        Speeds of each UAV, and how they turn into times along a route.
-    t_max_s
-        Latest arrival at the last waypoint (A,), T_a,max (P1tmax).
     reach_m
-        Greatest link distance at the highest power (A,); a pair has the lesser of both.
-    k_min, d_min_m, length_max_m
-        Least neighbours (P1kmin), least separation (P0avoid), L_max (P0length).
+        Greatest link distance at the highest power, (A,) or one for all; a pair has the lesser of
+        both.
+    k_min
+        Least neighbours of every UAV at every instant (P1kmin), below A.
+    limits
+        Speeds of each UAV, or of all where there is one. Default: those of a scenario, 10 m/s,
+        4 m/s up and 3 m/s down.
+    time_model
+        How speeds turn into times along a route. Default: straight legs at constant speed.
+    t_max_s
+        Latest arrival at the last waypoint, (A,) or one for all, T_a,max (P1tmax). Default: a day.
+    d_min_m
+        Least separation (P0avoid); 0 leaves it out.
+    length_max_m
+        Greatest length of all routes together, L_max (P0length).
     slot_count, horizon_s
         N, and T in seconds or None for the makespan.
     energy_j, energy_floor
@@ -53,14 +72,14 @@ class RoutingProblem:
 
     waypoints_m: Array
     starts_m: Array
-    limits: tuple[MotionLimits, ...]
-    time_model: TimeModel
-    t_max_s: Array
     reach_m: Array
     k_min: int
-    d_min_m: float
-    length_max_m: float
-    slot_count: int
+    limits: tuple[MotionLimits, ...] = (MotionLimits(10.0, 4.0, 3.0),)
+    time_model: TimeModel = ConstantSpeed()  # noqa: RUF009  it has no state
+    t_max_s: Array = field(default_factory=lambda: np.array([A_DAY_S]))
+    d_min_m: float = 0.0
+    length_max_m: float = ANY_LENGTH_M
+    slot_count: int = 150
     horizon_s: float | None = None
     energy_j: Array | None = None
     energy_floor: EnergyFloor | None = None
@@ -74,6 +93,8 @@ class RoutingProblem:
             raise InputError(
                 f"starts_m has {self.uav_count} pads; the search takes 1 to {MOST_UAVS} UAVs."
             )
+        if len(self.limits) == 1:
+            object.__setattr__(self, "limits", self.limits * self.uav_count)
         if len(self.limits) != self.uav_count:
             raise InputError(f"limits has {len(self.limits)} entries for {self.uav_count} UAVs.")
         for name in ("t_max_s", "reach_m", "energy_j"):
@@ -134,8 +155,12 @@ def _points(name: str, value: Array) -> Array:
 
 def _per_uav(name: str, value: Array, uav_count: int) -> Array:
     values = np.array(value, dtype=np.float64)
+    if values.size == 1:
+        values = np.full(uav_count, values.item())
     if values.shape != (uav_count,):
-        raise InputError(f"{name} has shape {values.shape}, must be ({uav_count},), one per UAV.")
+        raise InputError(
+            f"{name} has shape {values.shape}, must be ({uav_count},), one per UAV, or one for all."
+        )
     bad = ~((values > 0) & np.isfinite(values))
     if bad.any():
         a = int(np.argmax(bad))
