@@ -9,7 +9,7 @@ import numpy as np
 
 from jfto_msgs_py.radio import Radio
 from jfto_msgs_py.units import dbm_to_w
-from jfto_power import allocate
+from jfto_power import PowerProblem, allocate
 from jfto_topology import slot_throughput
 from jfto_world.radio import make_channel, pairwise_distances
 
@@ -34,7 +34,7 @@ def main() -> None:
     loudest_w = np.full_like(needed_w, dbm_to_w(27.0))
     energy_j = np.array([20.0, 12.0, 20.0, 12.0])
 
-    best = allocate(adjacency, gain, needed_w, loudest_w, energy_j, SLOT_S, radio)
+    best = allocate(PowerProblem(adjacency, gain, needed_w, loudest_w, energy_j, SLOT_S, radio))
 
     def mean_mbps(power_w: np.ndarray) -> float:
         return float(slot_throughput(adjacency, gain, power_w, radio)[1:].mean() / 1e6)
