@@ -5,8 +5,8 @@ from __future__ import annotations
 import time
 from typing import Any
 
-# A clock whose ticks stop, as that of a simulation does which waits for its graph, is not carried on
-# for longer than this, in wall seconds: ticks come every 0.02 s.
+# A clock whose ticks stop, as that of a simulation does which waits for its graph, is not carried
+# on for longer than this, in wall seconds: ticks come every 0.02 s.
 AHEAD_MAX_S = 0.05
 NS = 1_000_000_000
 
