@@ -15,7 +15,7 @@ from geometry_msgs.msg import PoseStamped
 from sensor_msgs.msg import BatteryState, NavSatFix
 from std_srvs.srv import Trigger
 
-from jfto.simulated_fleet_node import SimulatedFleetNode
+from jfto.nodes.simulated_fleet import SimulatedFleetNode
 from jfto_mavlink.io.address import free_udp_port
 from jfto_mavlink.node import MavlinkBridgeNode
 from jfto_msgs_py.errors import ScenarioError

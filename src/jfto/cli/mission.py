@@ -19,6 +19,9 @@ from jfto.cli.mission_options import (
 from jfto.cli.options import debug_option
 
 if TYPE_CHECKING:
+    from contextlib import AbstractContextManager
+
+    from jfto_mavlink.fleet.link import FleetLink
     from jfto_mavlink.protocol.item import Mission
 
 FORMATS = {"plan": ".plan", "waypoints": ".waypoints"}
@@ -104,9 +107,9 @@ def upload(plan: Path, debug: bool, **choices: Any) -> int:  # noqa: ARG001
     from jfto_mavlink.fleet.fly import deliver_to_fleet
 
     missions = build(plan, choices)
-    with _session(choices, missions) as session, show_vehicles() as progress:
+    with _link(choices, plan) as link, show_vehicles() as progress:
         sent = {uav: mission.mission for uav, mission in missions.items()}
-        outcome = deliver_to_fleet(session.runner, sent, progress.report)
+        outcome = deliver_to_fleet(link, sent, progress.report)
     for uav, delivered in outcome.delivered.items():
         click.echo(f"✓ {uav}  verified  {delivered.duration_s:5.1f} s  {delivered.digest[:12]}")
     for uav, error in outcome.failed.items():
@@ -132,9 +135,9 @@ def verify_command(plan: Path, debug: bool, **choices: Any) -> int:  # noqa: ARG
     def job(mission: Mission) -> Any:
         return lambda context: verify(context, mission)
 
-    with _session(choices, missions) as session, show_vehicles() as progress:
+    with _link(choices, plan) as link, show_vehicles() as progress:
         jobs = {uav: job(mission.mission) for uav, mission in missions.items()}
-        results = session.runner.run(jobs, progress.report)
+        results = link.run(jobs, progress.report)
     return _show_differences(results)
 
 
@@ -158,10 +161,8 @@ def clear_command(debug: bool, yes: bool, **choices: Any) -> int:  # noqa: ARG00
             yield from clear(context, mission_type)
         return ()
 
-    with _session(choices, {}) as session, show_vehicles() as progress:
-        results = session.runner.run(
-            dict.fromkeys(session.runner.roster.uavs, job), progress.report
-        )
+    with _link(choices) as link, show_vehicles() as progress:
+        results = link.run(dict.fromkeys(link.roster.uavs, job), progress.report)
     return _show_differences(results)
 
 
@@ -186,10 +187,8 @@ def sign(key_file: Path, create: bool, debug: bool, **choices: Any) -> int:  # n
         yield from setup_signing(context, signer)
         return ()
 
-    with _session(choices | {"key_file": None}, {}) as session, show_vehicles() as progress:
-        results = session.runner.run(
-            dict.fromkeys(session.runner.roster.uavs, job), progress.report
-        )
+    with _link(choices | {"key_file": None}) as link, show_vehicles() as progress:
+        results = link.run(dict.fromkeys(link.roster.uavs, job), progress.report)
     return _show_differences(results)
 
 
@@ -221,21 +220,25 @@ def order_command(order: str, only: tuple[str, ...], debug: bool, **choices: Any
         yield from orders[order](context)
         return ()
 
-    with _session(choices, {}, complete=False) as session, show_vehicles() as progress:
-        uavs = session.runner.roster.uavs
+    with _link(choices, complete=False) as link, show_vehicles() as progress:
+        uavs = link.roster.uavs
         unknown = set(only) - set(uavs)
         if unknown:
             raise RosterError(205, f"{', '.join(sorted(unknown))}: not in the roster.")
-        results = session.runner.run(dict.fromkeys(only or uavs, job), progress.report)
+        results = link.run(dict.fromkeys(only or uavs, job), progress.report)
     return _show_differences(results)
 
 
-def _session(choices: dict[str, Any], missions: dict[str, Any], *, complete: bool = True) -> Any:
-    from jfto.fleet_session import open_fleet
+def _link(
+    choices: dict[str, Any], plan_file: Path | None = None, *, complete: bool = True
+) -> AbstractContextManager[FleetLink]:
+    """Links to the vehicles of a command line; simulated ones stand on the pads of the plan."""
+    from jfto.cli.mission_link import open_fleet
+    from jfto_msgs_py.plan_file import read_plan
 
     return open_fleet(
         roster_texts(choices["vehicles"]),
-        {uav: mission.home_deg_m for uav, mission in missions.items()},
+        None if plan_file is None else read_plan(plan_file),
         speedup=choices.get("speedup", 1.0),
         key_file=choices["key_file"],
         complete=complete,

@@ -8,7 +8,7 @@ import time
 import numpy as np
 import pytest
 
-from jfto.fleet_session import open_fleet
+from jfto.cli.mission_link import open_fleet
 from jfto_mavlink.errors import FlightError, MissionError
 from jfto_mavlink.fleet.fly import Fleet
 from jfto_mavlink.fleet.orders import OrderSettings
@@ -102,9 +102,8 @@ class Field:
 
 @pytest.fixture
 def field(plan):
-    pads = {m.uav: m.home_deg_m for m in build_missions(plan, MissionSettings())}
-    with open_fleet(["sim:2"], pads, speedup=SPEEDUP) as session:
-        yield Field(plan, session.runner)
+    with open_fleet(["sim:2"], plan, speedup=SPEEDUP) as link:
+        yield Field(plan, link)
 
 
 def test_a_fleet_is_streamed_to_held_and_let_go_on(field):

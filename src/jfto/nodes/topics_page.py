@@ -1,6 +1,6 @@
 """The page docs/reference/topics.md: topics, types, QoS and the nodes' parameters, from the code.
 
-`python -m jfto.topics_page` prints it.
+`python -m jfto.nodes.topics_page` prints it.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ _HEAD = """\
 
 Only stock types of common_interfaces are used, so that any ROS 2 machine can echo, record and plot
 them unbuilt. `<uav>` stands for a UAV's id, the fleet's `fleet.ids`. This page is printed by
-`python -m jfto.topics_page`.
+`python -m jfto.nodes.topics_page`.
 
 Multi-arrays describe themselves in the labels of their dimensions:
 `slot;first=45;t0=1763776800.250000000;dt=3.0` (first slot, its beginning in seconds since the

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from jfto.simulated_pace import FleetPace, PacedFlight, PaceSettings
+from jfto.simulation.pace import FleetPace, PacedFlight, PaceSettings
 
 S = 1_000_000_000
 SETTINGS = PaceSettings(ahead_s=0.5, creep=0.1, patience_s=10.0)

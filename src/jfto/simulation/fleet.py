@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 
+from jfto.simulation.air import hesitations_s
 from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.scenario.simulation import SimulationPart
 from jfto_sim import VehicleConfig
 from jfto_sim.server import SimServer
 from jfto_world.terrain import Dem
@@ -19,50 +21,37 @@ PadGround = Callable[[float, float], float]
 Place = tuple[float, float, float]
 
 
-def pads(plan: Plan) -> dict[str, Place]:
+def pads(plan: Plan) -> list[Place]:
     """Latitude, longitude (degrees) and height (m) of each UAV's pad."""
     frame = LocalFrame(plan.origin)
-    found = {}
-    for uav in plan.uavs:
-        lat, lon, height = frame.to_geodetic([uav.start_m])
-        found[uav.id] = (float(lat[0]), float(lon[0]), float(height[0]))
-    return found
-
-
-def grounds(plan: Plan, dem: Dem | None) -> dict[str, PadGround]:
-    """The terrain as each UAV of a plan sees it from its pad; empty where it is not known."""
-    if dem is None:
-        return {}
-    return {uav.id: _seen_from(dem, uav.start_m) for uav in plan.uavs}
+    lat, lon, height = frame.to_geodetic([uav.start_m for uav in plan.uavs])
+    return [(float(a), float(b), float(c)) for a, b, c in zip(lat, lon, height, strict=True)]
 
 
 def vehicle_configs(
-    places: Mapping[str, Place],
-    seen: Mapping[str, PadGround],
-    utc_ns: int,
-    *,
-    seed: int = 0,
-    gps_noise_m: float = 0.0,
-    hesitations_s: Sequence[float] | None = None,
+    plan: Plan, utc_ns: int, errors: SimulationPart | None = None, dem: Dem | None = None
 ) -> list[VehicleConfig]:
-    """One vehicle per pad with system ids 1, 2 …, powered up at `utc_ns`, battery failsafes on.
+    """A plan's UAVs on their pads with system ids 1, 2 …, powered up at `utc_ns`, failsafes on.
 
-    `hesitations_s` has the seconds that each stays on its pad when told to start.
+    They stand over the terrain, where it is known, with the errors that the scenario asks for.
     """
+    errors = errors or SimulationPart()
     return [
         VehicleConfig(
             sysid=n,
             home_lat_deg=pad[0],
             home_lon_deg=pad[1],
             home_alt_m=pad[2],
-            seed=seed + n - 1,
+            seed=errors.seed + n - 1,
             parameters=FAILSAFES,
-            gps_noise_m=gps_noise_m,
-            hesitation_s=0.0 if hesitations_s is None else hesitations_s[n - 1],
+            gps_noise_m=errors.position_error_m,
+            hesitation_s=hesitation_s,
             utc_at_boot_us=utc_ns // 1000,
-            ground=seen.get(uav),
+            ground=None if dem is None else _ground_from(dem, uav.start_m),
         )
-        for n, (uav, pad) in enumerate(places.items(), 1)
+        for n, (uav, pad, hesitation_s) in enumerate(
+            zip(plan.uavs, pads(plan), hesitations_s(len(plan.uavs), errors), strict=True), 1
+        )
     ]
 
 
@@ -92,7 +81,7 @@ class FleetTime:
         self._boot_ns, self._server = boot_ns, server
 
 
-def _seen_from(dem: Dem, pad_m: Place) -> PadGround:
+def _ground_from(dem: Dem, pad_m: Place) -> PadGround:
     pad_height_m = float(dem.height(pad_m[0], pad_m[1]))
     return lambda east_m, north_m: (
         float(dem.height(pad_m[0] + east_m, pad_m[1] + north_m)) - pad_height_m

@@ -5,13 +5,11 @@
 
 from __future__ import annotations
 
-import signal
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from jfto.supervision.die_with_parent import die_with_parent
 from jfto_msgs_py.ros.installation import RosMissingError, require_ros
 
 if TYPE_CHECKING:
@@ -70,7 +68,7 @@ def pose_player(arguments: Arguments = None) -> int:
     """Run the pose player."""
 
     def make() -> Any:
-        from jfto.pose_player_node import PosePlayerNode
+        from jfto.nodes.pose_player import PosePlayerNode
 
         return PosePlayerNode()
 
@@ -93,8 +91,8 @@ def simulated_fleet(arguments: Arguments = None) -> int:
     """Run simulated vehicles, whose time is that of the graph."""
 
     def make() -> Any:
+        from jfto.nodes.simulated_fleet import SimulatedFleetNode
         from jfto.planning.terrain import known_dem_of
-        from jfto.simulated_fleet_node import SimulatedFleetNode
 
         return SimulatedFleetNode(known_dem_of)
 
@@ -144,19 +142,3 @@ def _run(make: Callable[[], Any], arguments: Arguments) -> int:
     from jfto_msgs_py.ros.run_node import end_process, run_node
 
     return end_process(run_node(make, arguments))
-
-
-def main(arguments: Sequence[str]) -> int:
-    """Run the node that the first argument names."""
-    if not arguments or arguments[0] not in NODES:
-        print(f"Name a node: {', '.join(NODES)}.", file=sys.stderr)
-        return 2
-    # A node that is told to stop while it is still being loaded has nothing to keep.
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: sys.exit(0))
-    die_with_parent()
-    return NODES[arguments[0]](arguments)
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))

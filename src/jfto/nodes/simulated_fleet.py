@@ -20,10 +20,10 @@ from rclpy.time import Time
 from rosgraph_msgs.msg import Clock as ClockMessage
 from std_msgs.msg import Float64MultiArray, Header
 
-from jfto.simulated_air import fleet_air, hesitations_s
-from jfto.simulated_fleet import FleetTime, grounds, pads, vehicle_configs
-from jfto.simulated_fleet_options import SimulatedFleetOptions
-from jfto.simulated_pace import FleetPace, PacedFlight, PaceSettings
+from jfto.node_options import SimulatedFleetOptions
+from jfto.simulation.air import fleet_air
+from jfto.simulation.fleet import FleetTime, vehicle_configs
+from jfto.simulation.pace import FleetPace, PacedFlight, PaceSettings
 from jfto_msgs_py.errors import InputError, PlanError
 from jfto_msgs_py.plan_file import read_plan
 from jfto_msgs_py.records.event import INFO, Event
@@ -123,14 +123,7 @@ class SimulatedFleetNode(GraphNode[SimulatedFleetOptions]):
         # Before the time of power-up is read: an empty compiler cache takes a minute to fill.
         warm_up()
         boot_ns = self._fleet_time.now_ns()
-        configs = vehicle_configs(
-            pads(plan),
-            grounds(plan, dem),
-            boot_ns,
-            seed=errors.seed,
-            gps_noise_m=errors.position_error_m,
-            hesitations_s=hesitations_s(len(plan.uavs), errors),
-        )
+        configs = vehicle_configs(plan, boot_ns, errors, dem)
         settings = ServerSettings(
             ((options.endpoint,),) * len(configs),
             options.speedup,

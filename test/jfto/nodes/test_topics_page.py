@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from jfto.pose_player_node import PosePlayerNode
-from jfto.topics_page import page
+from jfto.nodes.pose_player import PosePlayerNode
+from jfto.nodes.topics_page import page
 from jfto_msgs_py.ros import topics
 from jfto_msgs_py.ros.endpoints import SERVICES, TOPICS, UAV
 from jfto_planner.planner_node import PlannerNode
@@ -21,8 +21,8 @@ OF_ROS = ("/rosout", "/parameter_events", "/clock")
 
 
 def test_the_page_is_up_to_date() -> None:
-    """Print it anew with python -m jfto.topics_page > docs/reference/topics.md."""
-    stored = Path(__file__).parents[2] / "docs/reference/topics.md"
+    """Print it anew with python -m jfto.nodes.topics_page > docs/reference/topics.md."""
+    stored = Path(__file__).parents[3] / "docs/reference/topics.md"
     assert stored.read_text(encoding="utf-8") == page()
 
 

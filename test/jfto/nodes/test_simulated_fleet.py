@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from dataclasses import replace
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
@@ -11,11 +12,12 @@ from rcl_interfaces.msg import Log
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64, Float64MultiArray, Header
 
-from jfto.simulated_air import hesitations_s
-from jfto.simulated_fleet import FleetTime, pads, vehicle_configs
-from jfto.simulated_fleet_node import SimulatedFleetNode
+from jfto.nodes.simulated_fleet import SimulatedFleetNode
+from jfto.simulation.air import hesitations_s
+from jfto.simulation.fleet import FleetTime, vehicle_configs
 from jfto_mavlink.io.address import free_udp_port
 from jfto_msgs_py.errors import JftoError
+from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.plan_file import write_plan
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.air import ARRAY_OF_TOPIC as AIR
@@ -32,6 +34,11 @@ from support.graph import Graph
 from support.plans import side_by_side
 
 
+def _one_uav() -> Plan:
+    plan = side_by_side(make_scenario([{"fleet.count": Given(3, "test")}]))
+    return replace(plan, uavs=plan.uavs[:1])
+
+
 def test_time_goes_on_from_where_it_began_and_then_by_the_vehicles() -> None:
     """A restarted process goes on where the last one was; stalled vehicles stall the time."""
     began_s = time.time() - 60.0
@@ -39,7 +46,7 @@ def test_time_goes_on_from_where_it_began_and_then_by_the_vehicles() -> None:
     ahead_s = fleet_time.now_ns() / 1e9 - began_s
     assert 600.0 <= ahead_s <= 600.0 + 10 * (time.time() - began_s - 60.0) + 1e-3
     boot_ns = fleet_time.now_ns()
-    configs = vehicle_configs({"uav1": (47.0, 8.0, 400.0)}, {}, boot_ns)
+    configs = vehicle_configs(_one_uav(), boot_ns)
     with SimServer(configs, ServerSettings((("udp:127.0.0.1:0",),))) as server:
         fleet_time.follow(server, boot_ns)
         end_s = time.monotonic() + 30.0
@@ -61,7 +68,7 @@ def test_a_restart_does_not_set_a_vehicles_utc_back() -> None:
 def test_vehicles_stand_on_the_pads_of_the_plan() -> None:
     """System ids in the order of the fleet, heights above sea level."""
     plan = side_by_side(make_scenario([{"fleet.count": Given(3, "test")}]))
-    configs = vehicle_configs(pads(plan), {}, 10**18, seed=5)
+    configs = vehicle_configs(plan, 10**18, SimulationPart(seed=5))
     assert [config.sysid for config in configs] == list(range(1, len(plan.uavs) + 1))
     height_m = plan.origin.alt_m + plan.uavs[0].start_m[2]
     assert configs[0].home_alt_m == pytest.approx(height_m, abs=0.1)
@@ -179,8 +186,8 @@ def test_errors_of_the_scenario_reach_the_vehicles() -> None:
     # The mean of a half-normal draw is 0.8 σ.
     assert sum(late) / 500 == pytest.approx(2.4, abs=0.25)
     assert late[:3] == hesitations_s(3, SimulationPart(time_error_s=3.0, seed=4))
-    configs = vehicle_configs({"uav1": (47.0, 8.0, 400.0)}, {}, 10**18, hesitations_s=[2.5])
-    assert configs[0].hesitation_s == 2.5
+    errors = SimulationPart(time_error_s=3.0, seed=4)
+    assert vehicle_configs(_one_uav(), 10**18, errors)[0].hesitation_s == late[0]
 
 
 def test_a_node_that_is_cleaned_up_has_no_vehicles_and_no_clock(tmp_path) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from geometry_msgs.msg import PoseStamped
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 
-from jfto.pose_player_options import PosePlayerOptions
+from jfto.node_options import PosePlayerOptions
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.diagnostics import OK, WARN, Status
 from jfto_msgs_py.ros.graph_node import GraphNode

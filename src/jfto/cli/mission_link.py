@@ -1,0 +1,75 @@
+"""The vehicles that `jfto mission` speaks with: real ones by a roster, or simulated ones."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from jfto.simulation.fleet import vehicle_configs
+from jfto_mavlink.errors import RosterError
+from jfto_mavlink.fleet.link import FleetLink
+from jfto_mavlink.fleet.roster import Roster, RosterEntry, parse_vehicles
+from jfto_mavlink.fleet.station import StationSettings
+from jfto_mavlink.io.address import free_udp_port, parse_address
+from jfto_mavlink.io.signing import load_signer
+from jfto_mavlink.protocol.timesync import ScaledClock
+from jfto_msgs_py.plan import Plan
+from jfto_sim.server import ServerSettings, SimServer
+
+LINK_WAIT_S = 30.0
+
+
+@contextmanager
+def open_fleet(
+    vehicles: Sequence[str],
+    plan: Plan | None = None,
+    *,
+    speedup: float = 1.0,
+    key_file: Path | None = None,
+    complete: bool = True,
+) -> Iterator[FleetLink]:
+    """Links to a fleet, once all of it has reported.
+
+    `vehicles` is ("sim",), whose vehicles stand on the pads of the plan and run `speedup` times
+    faster than the clock, or links or entries of a roster as `parse_vehicles` takes them. With
+    `complete` off, real vehicles that are silent are no reason to stop: the others can still be
+    called home. Raises RosterError, LinkError, SigningError.
+    """
+    uavs = () if plan is None else tuple(uav.id for uav in plan.uavs)
+    roster = parse_vehicles(vehicles, uavs)
+    if roster is None:
+        if key_file is not None:
+            raise RosterError(201, "simulated vehicles start without a key; leave --key out.")
+        assert plan is not None
+        with _simulated(plan, speedup) as link:
+            yield link
+        return
+    if speedup != 1.0:
+        raise RosterError(201, "--speedup is for simulated vehicles (sim:N); real ones keep time.")
+    signer = None if key_file is None else load_signer(key_file)
+    with FleetLink(roster, StationSettings(signer=signer)) as link:
+        if complete:
+            link.wait_heard(LINK_WAIT_S)
+        else:
+            with suppress(RosterError):
+                link.wait_heard(LINK_WAIT_S / 6)
+        yield link
+
+
+@contextmanager
+def _simulated(plan: Plan, speedup: float) -> Iterator[FleetLink]:
+    start_s = time.time()
+    address = parse_address(f"udpin:127.0.0.1:{free_udp_port()}")
+    configs = vehicle_configs(plan, round(start_s * 1e9))
+    endpoint = (f"udpto:{address.host}:{address.number}",)
+    settings = ServerSettings((endpoint,) * len(configs), speedup)
+    roster = Roster(tuple(RosterEntry(uav.id, n, address) for n, uav in enumerate(plan.uavs, 1)))
+    clock = ScaledClock(speedup)
+    with (
+        SimServer(configs, settings),
+        FleetLink(roster, clock=clock, unix=lambda: start_s + clock()) as link,
+    ):
+        link.wait_heard(LINK_WAIT_S * max(speedup, 1.0))
+        yield link
