@@ -240,8 +240,7 @@ def replay(
     require_ros()
     from jfto.bag.reader import Bag
     from jfto.bag.recorder import PARAMETERS_NAME
-    from jfto.bag.replay import replay_bag, write_outputs
-    from jfto.bag.replay_node import NODES
+    from jfto.bag.replay import NODES, replay_bag, write_outputs
 
     names = [name.strip() for name in nodes.split(",") if name.strip()]
     if not names or not set(names) <= set(NODES):

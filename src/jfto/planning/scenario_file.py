@@ -94,17 +94,13 @@ def _read_layers(
     path: Path, problems: list[str], node_options: dict[str, dict[str, Any]]
 ) -> list[dict[str, Given]]:
     """Shared values, then each node's, as layers of dotted keys; nodes' own go to the side."""
-    root = _compose(path, read_text(path, ScenarioError, "scenario", _SIZE_LIMIT))
-    if not isinstance(root, yaml.MappingNode):
-        raise ScenarioError(
-            f"{path}: holds no parameters. Start it with '/**:', 'ros__parameters:' below it, and "
-            "the keys below that."
-        )
     shared: dict[str, Given] = {}
     per_node: dict[str, Given] = {}
-    for name_node, section in root.value:
-        where = f"{path}:{name_node.start_mark.line + 1}"
-        name = str(name_node.value)
+    for name, section, where in _sections(path):
+        problem = _unknown_section(name)
+        if problem:
+            problems.append(f"{where}: {problem}")
+            continue
         parameters = _parameters(name, section, where, problems)
         if parameters is None:
             continue
@@ -117,6 +113,39 @@ def _read_layers(
         node_options.setdefault(name.lstrip("/"), {}).update(own)
         _merge_node(per_node, mine, name, problems)
     return [shared, per_node]
+
+
+def load_node_parameters(path: Path, node: str) -> dict[str, Given]:
+    """What a parameter file has for one node: values that all share, below them the node's own.
+
+    Sections of other nodes are passed over, whosever they are. Raises ScenarioError that lists
+    every problem.
+    """
+    problems: list[str] = []
+    shared: dict[str, Given] = {}
+    own: dict[str, Given] = {}
+    for name, section, where in _sections(path):
+        if name == SHARED or name.lstrip("/") == node:
+            parameters = _parameters(name, section, where, problems)
+            if parameters is not None:
+                _flatten(path, parameters, "", shared if name == SHARED else own, problems, 0)
+    if problems:
+        raise ScenarioError(problems)
+    return shared | own
+
+
+def _sections(path: Path) -> list[tuple[str, yaml.Node, str]]:
+    """Name, content and place of each section of a parameter file."""
+    root = _compose(path, read_text(path, ScenarioError, "scenario", _SIZE_LIMIT))
+    if not isinstance(root, yaml.MappingNode):
+        raise ScenarioError(
+            f"{path}: holds no parameters. Start it with '/**:', 'ros__parameters:' below it, and "
+            "the keys below that."
+        )
+    return [
+        (str(name.value), section, f"{path}:{name.start_mark.line + 1}")
+        for name, section in root.value
+    ]
 
 
 def _compose(path: Path, text: str) -> yaml.Node | None:
@@ -141,17 +170,21 @@ def _compose(path: Path, text: str) -> yaml.Node | None:
         ) from None
 
 
+def _unknown_section(name: str) -> str:
+    """What is wrong with a section's name, "" if nothing is."""
+    if name == SHARED or name.lstrip("/") in NODES:
+        return ""
+    guess = nearest(name.lstrip("/"), NODES)
+    cure = f"Did you mean {guess}?" if guess else f"Use '{SHARED}' for values that all share."
+    if nearest(name, {key.split(".")[0] for key in KEYS}):
+        cure = f"Put it below '{SHARED}:' and 'ros__parameters:'."
+    return f"unknown section {name}. {cure}"
+
+
 def _parameters(
     name: str, section: yaml.Node, where: str, problems: list[str]
 ) -> yaml.MappingNode | None:
     """The mapping below `ros__parameters` of one section; None, with a problem, if amiss."""
-    if name != SHARED and name.lstrip("/") not in NODES:
-        guess = nearest(name.lstrip("/"), NODES)
-        cure = f"Did you mean {guess}?" if guess else f"Use '{SHARED}' for values that all share."
-        if nearest(name, {key.split(".")[0] for key in KEYS}):
-            cure = f"Put it below '{SHARED}:' and 'ros__parameters:'."
-        problems.append(f"{where}: unknown section {name}. {cure}")
-        return None
     if isinstance(section, yaml.MappingNode):
         for key_node, value_node in section.value:
             if key_node.value == "ros__parameters" and isinstance(value_node, yaml.MappingNode):

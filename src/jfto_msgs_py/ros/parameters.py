@@ -14,16 +14,12 @@ from rcl_interfaces.msg import (
 from rclpy.parameter import Parameter
 
 from jfto_msgs_py.errors import JftoError, ScenarioError
-from jfto_msgs_py.scenario import KEYS, Given, Key, Scenario, make_scenario
-from jfto_msgs_py.scenario.options import option_keys
+from jfto_msgs_py.scenario import KEYS, Given, Key, Scenario
+from jfto_msgs_py.scenario.options import is_of_ros, option_keys, resolve
 from jfto_msgs_py.scenario.radio import RADIO_SHORTHANDS
-from jfto_msgs_py.scenario.value import check_value
 
 Options = TypeVar("Options")
 
-# Parameters that rclpy itself declares, or that steer it.
-_ROS_NAMES = ("use_sim_time", "start_type_description_service")
-_ROS_PREFIXES = ("qos_overrides.",)
 _TYPES = {
     ("bool", False): Parameter.Type.BOOL,
     ("bool", True): Parameter.Type.BOOL_ARRAY,
@@ -60,7 +56,7 @@ class NodeParameters(Generic[Options]):
         given = {
             name: parameter.value
             for name, parameter in node.get_parameters_by_prefix("").items()
-            if name not in _ROS_NAMES and not name.startswith(_ROS_PREFIXES)
+            if not is_of_ros(name)
         }
         scenario, options = self._resolve(given)
         check(scenario, options)
@@ -83,23 +79,13 @@ class NodeParameters(Generic[Options]):
         return values
 
     def _resolve(self, values: Mapping[str, Any]) -> tuple[Scenario, Options]:
-        layer: dict[str, Given] = {}
-        own: dict[str, Any] = {}
-        problems: list[str] = []
-        for name, value in values.items():
-            plain = value if isinstance(value, bool | int | float | str) else list(value)
-            if name in self._options:
-                own[name], found = check_value(self._options[name], Given(plain, self._where))
-                problems += found
-            elif name not in KEYS or not _is_default(KEYS[name], plain):
-                layer[name] = Given(plain, self._where)
-        try:
-            scenario = make_scenario([layer])
-        except ScenarioError as error:
-            raise ScenarioError([*problems, *error.problems]) from None
-        if problems:
-            raise ScenarioError(problems)
-        return scenario, self._options_type(**own)
+        given = {
+            name: Given(
+                value if isinstance(value, bool | int | float | str) else list(value), self._where
+            )
+            for name, value in values.items()
+        }
+        return resolve(given, self._options_type)
 
     def _on_set(self, parameters: list[Any]) -> Any:
         ours = [p for p in parameters if p.name in KEYS or p.name in self._options]
@@ -154,11 +140,6 @@ def _declare(node: Any, key: Key, value: Any) -> None:
 def _converted(key: Key, value: Any) -> Any:
     """A whole number where a file may write one for a float or an int, as ROS wants it."""
     return {"float": float, "int": int}.get(key.kind, lambda same: same)(value)
-
-
-def _is_default(key: Key, value: Any) -> bool:
-    """Whether a value is the default: then it counts as not given, as in a file."""
-    return bool((tuple(value) if isinstance(value, list) else value) == key.default)
 
 
 def _expanded(given: Mapping[str, Any]) -> dict[str, Any]:

@@ -74,7 +74,7 @@ class TopologyNode(CoreNode[TopologyOptions, TopologyOutputs]):
 
     def publish(self, made: TopologyOutputs) -> None:
         """Adjacency and intervals; then markers, and what the operator is to know."""
-        for topic, message in topology_messages(made):
+        for topic, message in topology_messages(made, self.now_ns()):
             self._publisher_of[topic].publish(message)
         if made.solved is not None and self.core.settings.options.markers:
             self._draw(made.solved)
@@ -127,7 +127,7 @@ def topology_inputs(core: TopologyCore) -> list[Input]:
     return inputs
 
 
-def topology_messages(made: TopologyOutputs) -> Iterator[tuple[str, Any]]:
+def topology_messages(made: TopologyOutputs, _now_ns: int) -> Iterator[tuple[str, Any]]:
     """Topics and messages of a step's outputs, those that other nodes act on."""
     if made.solved is not None:
         yield topics.ADJACENCY, encode_adjacency(made.solved.adjacency)

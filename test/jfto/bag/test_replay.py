@@ -1,4 +1,4 @@
-"""A flight of ours, recorded live, through the nodes again."""
+"""A flight of ours, recorded live, through the nodes' cores again."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from jfto.bag.errors import BagError
 from jfto.bag.reader import Bag
 from jfto.bag.recorder import BagRecorder
 from jfto.bag.replay import replay_bag, write_outputs
-from jfto.bag.replay_clock import ReplayClock
 from jfto.cli.main import main
 from jfto_msgs_py.ros import topics
 
@@ -106,22 +105,6 @@ def test_energy_file_of_the_run_is_left_alone(flight, tmp_path):
     replay = replay_bag(Bag(flight), ["power"], tmp_path / "parameters.yaml", 0.001)
     assert [problem for each in replay.comparisons for problem in each.problems] == []
     assert not energy.exists()
-
-
-def test_timers_run_in_the_order_of_their_times():
-    """Periods, re-arming from inside, and cancelling follow the clock that is moved by hand."""
-    clock, log = ReplayClock(0), []
-    clock.add_timer(30, lambda: log.append(("slow", clock.now_ns)))
-    fast = clock.add_timer(20, lambda: log.append(("fast", clock.now_ns)))
-    clock.advance(60)
-    assert log == [("fast", 20), ("slow", 30), ("fast", 40), ("slow", 60), ("fast", 60)]
-    fast.cancel()
-    clock.advance(95)
-    assert log[5:] == [("slow", 90)]
-    fast.timer_period_ns = 1
-    fast.reset()
-    clock.advance(96)
-    assert log[6:] == [("fast", 96)]
 
 
 def test_replay_never_reaches_the_network(flight):

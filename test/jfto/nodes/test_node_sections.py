@@ -6,10 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from jfto.planning.scenario_file import load_scenario
+from jfto.planning.scenario_file import load_node_parameters, load_scenario
 from jfto.supervision.graph import graph_commands
 from jfto.supervision.graph_table import GraphOptions
 from jfto_msgs_py.errors import ScenarioError
+from jfto_msgs_py.scenario.options import resolve
+from jfto_topology.options import TopologyOptions
 
 SHARED = "/**: {ros__parameters: {fleet: {count: 3}}}\n"
 
@@ -43,3 +45,21 @@ def test_wrong_ones_are_problems_of_the_file(tmp_path, line, words) -> None:
     section = f"topology_node:\n  ros__parameters:\n    {line}\n"
     with pytest.raises(ScenarioError, match=f"scene.yaml:4: .*{words}"):
         load_scenario(_file(tmp_path, section))
+
+
+def test_one_nodes_parameters_are_the_shared_ones_and_its_own(tmp_path) -> None:
+    """Its own win, whatever the sections of others say; those of ROS are none of ours."""
+    section = (
+        "/topology_node: {ros__parameters: {use_sim_time: true, watch_slots: 7, "
+        "radio: {frequency_hz: 83.5e6}, network.k_min: 1}}\n"
+        "/recorder: {ros__parameters: {anything: at all}}\n"
+    )
+    values = load_node_parameters(_file(tmp_path, section), "topology_node")
+    scenario, options = resolve(values, TopologyOptions)
+    assert (scenario.fleet.count, scenario.network.k_min) == (3, 1)
+    assert scenario.radio.frequency_hz == 83.5e6
+    assert options == TopologyOptions(watch_slots=7)
+    section = "topology_node:\n  ros__parameters:\n    watch_slot: 7\n"
+    values = load_node_parameters(_file(tmp_path, section), "topology_node")
+    with pytest.raises(ScenarioError, match=r"scene.yaml:4: .*unknown key"):
+        resolve(values, TopologyOptions)
