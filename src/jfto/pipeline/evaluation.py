@@ -12,7 +12,7 @@ from jfto.console.progress import SILENT, Progress
 from jfto.planning.routes import plan_routes, read_and_certify
 from jfto.planning.scenario_file import SCENARIO_NAME, LoadedScenario, load_scenario
 from jfto.planning.survey import survey
-from jfto.planning.terrain import load_ground
+from jfto.planning.terrain import known_ground
 from jfto.report.figures import draw, plan_drawings
 from jfto_msgs_py.files import write_file
 from jfto_msgs_py.plan import Plan
@@ -55,7 +55,7 @@ def evaluate_plan_file(path: Path, progress: Progress = SILENT) -> Evaluated:
     dem, evaluation = None, EvaluationPart()
     if beside.exists():
         loaded = load_scenario(beside)
-        dem, evaluation = load_ground(loaded), loaded.scenario.evaluation
+        dem, evaluation = known_ground(loaded), loaded.scenario.evaluation
     comparison = compare(plan, min(evaluation.n_dc, plan.slots.count), progress)
     label = path.stem if evaluation.paper_scene == "none" else evaluation.paper_scene
     return Evaluated(label, plan, comparison, dem, evaluation)

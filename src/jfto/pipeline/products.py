@@ -91,7 +91,7 @@ def _of_file(path: Path) -> str:
 @cache
 def _program() -> str:
     """Digest of our code, weights and templates, and versions of libraries."""
-    sum_ = hashlib.sha256()
+    sum_ = hashlib.sha256(jfto.__version__.encode())
     root = Path(jfto.__file__).parents[1]
     for path in sorted(root.glob("jfto*/**/*")):
         if path.is_file() and "__pycache__" not in path.parts:
