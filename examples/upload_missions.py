@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 import jfto
-from jfto.fleet_session import open_fleet
+from jfto.flight.fleet_link import open_fleet
 from jfto.planning.terrain import load_ground
 from jfto_mavlink.fleet.fly import deliver_to_fleet
 from jfto_mavlink.mission.build import build_missions
@@ -29,10 +29,9 @@ def main(vehicles: str = "sim") -> None:
     ground = load_ground(scenario).height  # each leg is held against the terrain
     built = build_missions(plan, settings_for(plan), ground=ground)
     missions = {each.uav: each.mission for each in built}
-    pads = {each.uav: each.home_deg_m for each in built}
 
-    with open_fleet(vehicles.split(","), pads, speedup=10.0 if vehicles == "sim" else 1.0) as fleet:
-        delivery = deliver_to_fleet(fleet.runner, missions)
+    with open_fleet(vehicles.split(","), plan, speedup=10.0 if vehicles == "sim" else 1.0) as fleet:
+        delivery = deliver_to_fleet(fleet, missions)
         release = delivery.release()  # raises an error that names every vehicle that failed
         for uav, digest in release.digests.items():
             print(f"{uav}: {len(missions[uav].items)} items on board, {digest[:12]}")
@@ -42,7 +41,7 @@ def main(vehicles: str = "sim") -> None:
             uav: lambda context, wanted=mission: verify(context, wanted)
             for uav, mission in missions.items()
         }
-        for uav, differences in fleet.runner.run(jobs).items():
+        for uav, differences in fleet.run(jobs).items():
             print(f"{uav}: {differences or 'verified, item by item'}")
 
 

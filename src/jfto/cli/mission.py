@@ -233,7 +233,7 @@ def _link(
     choices: dict[str, Any], plan_file: Path | None = None, *, complete: bool = True
 ) -> AbstractContextManager[FleetLink]:
     """Links to the vehicles of a command line; simulated ones stand on the pads of the plan."""
-    from jfto.cli.mission_link import open_fleet
+    from jfto.flight.fleet_link import open_fleet
     from jfto_msgs_py.plan_file import read_plan
 
     return open_fleet(

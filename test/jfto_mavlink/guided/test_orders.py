@@ -8,7 +8,7 @@ import time
 import numpy as np
 import pytest
 
-from jfto.cli.mission_link import open_fleet
+from jfto.flight.fleet_link import open_fleet
 from jfto_mavlink.errors import FlightError, MissionError
 from jfto_mavlink.fleet.fly import Fleet
 from jfto_mavlink.fleet.orders import OrderSettings

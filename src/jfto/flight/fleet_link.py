@@ -1,4 +1,4 @@
-"""The vehicles that `jfto mission` speaks with: real ones by a roster, or simulated ones."""
+"""Direct links to a fleet, where no graph is needed: real vehicles by a roster, or simulated."""
 
 from __future__ import annotations
 
