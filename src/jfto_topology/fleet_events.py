@@ -1,4 +1,4 @@
-"""Who is not heard, who runs late, who left its route: told once, and when it is over."""
+"""Events of the fleet: who sends no poses, runs late, left its route; once each, and its end."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ class FleetEvents:
         self._blind: Episodes[str] = Episodes()
         self._told_shift_s = 0.0
 
-    def of_slot(self, found: HorizonTopology, now_ns: int) -> list[Event]:
+    def of_slot(self, solved: HorizonTopology, now_ns: int) -> list[Event]:
         """Events after a slot was solved at `now_ns`."""
         return [
-            *self._of_silence(found, now_ns),
-            *self._of_routes(found),
-            *self._of_shift(found),
+            *self._of_silence(solved, now_ns),
+            *self._of_routes(solved),
+            *self._of_shift(solved),
         ]
 
-    def _of_silence(self, found: HorizonTopology, now_ns: int) -> list[Event]:
+    def _of_silence(self, solved: HorizonTopology, now_ns: int) -> list[Event]:
         events: list[Event] = []
-        began, over = self._blind.update(["blind"] if found.blind else [])
+        began, over = self._blind.update(["blind"] if solved.blind else [])
         if began:
             text = "Hardly a UAV is heard: the topology goes on from their last good predictions."
             events.append(Event(ERROR, "stale", "", text))
@@ -43,9 +43,9 @@ class FleetEvents:
             events.append(
                 Event(INFO, "stale", "", "UAVs are heard again: the topology follows them.")
             )
-        if found.blind:
+        if solved.blind:
             return events
-        began, over = self._stale.update(found.excluded)
+        began, over = self._stale.update(solved.excluded)
         for uav in began:
             stamp_ns = self._prediction.pose_stamp_ns(uav)
             since = "yet" if stamp_ns is None else f"for {(now_ns - stamp_ns) / 1e9:.1f} s"
@@ -56,14 +56,14 @@ class FleetEvents:
         ]
         return events
 
-    def _of_routes(self, found: HorizonTopology) -> list[Event]:
+    def _of_routes(self, solved: HorizonTopology) -> list[Event]:
         events: list[Event] = []
-        uav_ids, fleet_s = found.adjacency.uav_ids, found.lag_s or 0.0
+        uav_ids, fleet_s = solved.adjacency.uav_ids, solved.lag_s or 0.0
         off = [uav for uav in uav_ids if self._prediction.is_off_route(uav)]
         late_s = {
             uav: self._prediction.lag_s(uav) - fleet_s
             for uav in uav_ids
-            if found.lag_s is not None and uav not in off and not self._prediction.is_done(uav)
+            if solved.lag_s is not None and uav not in off and not self._prediction.is_done(uav)
         }
         late = [
             uav
@@ -86,11 +86,13 @@ class FleetEvents:
         ]
         return events
 
-    def _of_shift(self, found: HorizonTopology) -> list[Event]:
-        step_s = max(_SHIFT_S, found.adjacency.horizon.duration_s)
-        if abs(found.shift_s - self._told_shift_s) < step_s:
+    def _of_shift(self, solved: HorizonTopology) -> list[Event]:
+        step_s = max(_SHIFT_S, solved.adjacency.horizon.duration_s)
+        if abs(solved.shift_s - self._told_shift_s) < step_s:
             return []
-        self._told_shift_s = found.shift_s
-        how = "late" if found.shift_s >= 0 else "early"
-        text = f"The fleet runs {abs(found.shift_s):.0f} s {how}: its slots are shifted by as much."
+        self._told_shift_s = solved.shift_s
+        how = "late" if solved.shift_s >= 0 else "early"
+        text = (
+            f"The fleet runs {abs(solved.shift_s):.0f} s {how}: its slots are shifted by as much."
+        )
         return [Event(INFO, "late", "", text)]

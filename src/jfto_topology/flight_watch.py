@@ -50,30 +50,30 @@ class FlightWatch:
         self.dangers: dict[Key, str] = {}
 
     def look(
-        self, found: HorizonTopology, slot_count: int, now_ns: int, left_j: dict[str, float]
+        self, solved: HorizonTopology, slot_count: int, now_ns: int, left_j: dict[str, float]
     ) -> list[Event]:
         """What is to be told after a slot was solved; `left_j` is the energy left where known."""
-        horizon, uav_ids = found.adjacency.horizon, found.adjacency.uav_ids
+        horizon, uav_ids = solved.adjacency.horizon, solved.adjacency.uav_ids
         slot_s = horizon.duration_s
         here = horizon.first + (now_ns - horizon.t0_ns) / 1e9 / slot_s
         ahead = min(float(self._slots_ahead), max(slot_count - here, 0.0))
         steps = np.arange(int(ahead * FINER) + 1) / FINER
         instants_ns = now_ns + np.rint(steps * slot_s * 1e9).astype(np.int64)
         positions_m = self._prediction.positions(uav_ids, instants_ns, stay=True)
-        dangers = look_ahead(positions_m, self._rules(found), self._apart(uav_ids))
+        dangers = look_ahead(positions_m, self._rules(solved), self._apart(uav_ids))
         texts: dict[Key, tuple[float, str]] = {}
         for danger in dangers:
             lead_s = float(steps[danger.first] * slot_s)
             slot = max(here, 0.0) + steps[danger.first]
-            key, text = self._text(danger, uav_ids, lead_s, slot, found.k_min)
+            key, text = self._text(danger, uav_ids, lead_s, slot, solved.k_min)
             texts[key] = (lead_s, text)
-        texts.update(self._energy(found, slot_count, left_j))
+        texts.update(self._energy(solved, slot_count, left_j))
         return self._events(texts, now_ns)
 
-    def _rules(self, found: HorizonTopology) -> Rules:
-        p_max_w = np.array([self._links.p_max_w[uav] for uav in found.adjacency.uav_ids])
+    def _rules(self, solved: HorizonTopology) -> Rules:
+        p_max_w = np.array([self._links.p_max_w[uav] for uav in solved.adjacency.uav_ids])
         return Rules(
-            self._links.channel, p_max_w, self._links.sensitivity_w, found.k_min, self._d_min_m
+            self._links.channel, p_max_w, self._links.sensitivity_w, solved.k_min, self._d_min_m
         )
 
     def _apart(self, uav_ids: tuple[str, ...]) -> NDArray[np.bool_]:
@@ -103,10 +103,10 @@ class FlightWatch:
         return (danger.kind, "+".join(names)), text
 
     def _energy(
-        self, found: HorizonTopology, slot_count: int, left_j: dict[str, float]
+        self, solved: HorizonTopology, slot_count: int, left_j: dict[str, float]
     ) -> dict[Key, tuple[float, str]]:
         """UAVs that cannot pay for the rest of the mission, all its slots and not the horizon's."""
-        horizon, uav_ids = found.adjacency.horizon, found.adjacency.uav_ids
+        horizon, uav_ids = solved.adjacency.horizon, solved.adjacency.uav_ids
         if not left_j or horizon.first >= slot_count:
             return {}
         count = slot_count + 1 - horizon.first
@@ -114,9 +114,9 @@ class FlightWatch:
         topology = ctop(
             self._prediction.positions(uav_ids, horizon.t0_ns + step_ns),
             self._links.channel,
-            self._rules(found).p_max_w,
+            self._rules(solved).p_max_w,
             self._links.sensitivity_w,
-            found.k_min,
+            solved.k_min,
             self._links.delta,
         )
         left = np.array([left_j.get(uav, np.inf) for uav in uav_ids])

@@ -52,7 +52,7 @@ class HorizonTopology:
     `excluded` names the UAVs left out as stale, `late` those predicted from a pose older than the
     slot. `k_min` is what was asked of so many UAVs in the current slot, lower than the mission's if
     too few are left or the energy does not last for more.
-    `blind` says that hardly anybody is heard, so that all are predicted from their last poses.
+    `blind` says that hardly anybody sends poses, so that all are predicted from their last ones.
     `lag_s` is the fleet's lag, None where nobody is under way, `shift_s` that of the slots.
     """
 
@@ -122,15 +122,15 @@ class TopologyHorizon:
         return now_ns >= self._few_since_ns + round(self.settings.slot_duration_s * 0.5e9)
 
     def solve(self, now_ns: int) -> HorizonTopology | None:
-        """Topology from the slot that is due on; None while fewer than two UAVs were ever heard.
+        """Topology from the slot that is due on; None while fewer than two UAVs were ever measured.
 
         Where fewer than two are fresh, it is the messages that fail, not the fleet: all that were
-        heard before are predicted from what was known last.
+        measured before are predicted from what was known last.
         """
         uav_ids = self._fresh(now_ns)
         blind = len(uav_ids) < _LEAST_UAVS
         if blind:
-            uav_ids = self._heard(now_ns)
+            uav_ids = self._measured(now_ns)
         if len(uav_ids) < _LEAST_UAVS:
             return None
         lag_s = self._lag_s(now_ns)
@@ -165,8 +165,8 @@ class TopologyHorizon:
     def _fresh(self, now_ns: int) -> tuple[str, ...]:
         return self.prediction.fresh(now_ns, self.settings.stale_after_s)
 
-    def _heard(self, now_ns: int) -> tuple[str, ...]:
-        """UAVs heard at any time, while the mission lasts."""
+    def _measured(self, now_ns: int) -> tuple[str, ...]:
+        """UAVs with a pose from any time, while the mission lasts."""
         if now_ns < self.prediction.start_ns or self.slot >= self.settings.slot_count:
             return ()
         known = self.prediction.pose_stamp_ns

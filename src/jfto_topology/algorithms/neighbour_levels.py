@@ -22,24 +22,29 @@ def neighbour_levels(required_w: Array, ring_w: Array, k_min: int) -> tuple[Arra
     level_w = np.zeros((slots, uavs))
     deficit = np.zeros((slots, uavs), dtype=np.bool_)
     connected = np.zeros(slots, dtype=np.bool_)
-    label, queue = np.empty((2, uavs), dtype=np.int64)
-    queued = np.empty(uavs, dtype=np.bool_)
-    _fill(required_w, ring_w, k_min, level_w, deficit, connected, label, queue, queued)
+    room = np.empty((3, uavs), dtype=np.int64)
+    _fill(required_w, ring_w, k_min, level_w, deficit, connected, room)
     return level_w, deficit, connected
 
 
 @kernel
 def _fill(
-    required_w: Array, ring_w: Array, k_min: int, level_w: Array, deficit: Flags, connected: Flags,
-    label: Ints, queue: Ints, queued: Flags,
-) -> None:  # fmt: skip
-    """Fill the three results; `label`, `queue` and `queued` (A,) are room to work in."""
+    required_w: Array,
+    ring_w: Array,
+    k_min: int,
+    level_w: Array,
+    deficit: Flags,
+    connected: Flags,
+    room: Ints,
+) -> None:
+    """Fill the three results; `room` (3, A) is to work in: components, a queue, who is in it."""
     slots, uavs, _ = required_w.shape
+    label, queue, queued = room[0], room[1], room[2]
     for m in range(slots):
         required, ring, level = required_w[m], ring_w[m], level_w[m]
         _list_nearest(ring, k_min, level, deficit[m])
         for a in range(uavs):
-            queue[a], queued[a] = a, True
+            queue[a], queued[a] = a, 1
         _repair(ring, level, queue, queued, uavs)
         count = _components(ring, level, label, queue)
         while count > 1:
@@ -48,7 +53,7 @@ def _fill(
                 break
             level[a] = max(level[a], ring[a, b])
             level[b] = max(level[b], ring[b, a])
-            queued[a] = queued[b] = True
+            queued[a] = queued[b] = 1
             queue[0], queue[1] = a, b
             _repair(ring, level, queue, queued, 2)
             count = _components(ring, level, label, queue)
@@ -77,7 +82,7 @@ def _list_nearest(ring: Array, k_min: int, level: Array, deficit: Flags) -> None
 
 
 @inner
-def _repair(ring: Array, level: Array, queue: Ints, queued: Flags, waiting: int) -> None:
+def _repair(ring: Array, level: Array, queue: Ints, queued: Ints, waiting: int) -> None:
     """Raise whoever is listed without listing back, until every list is mutual.
 
     Raising b's level to cover a, its (K_min + κ)-th neighbour, lists all nearer ones too; the next
@@ -87,12 +92,12 @@ def _repair(ring: Array, level: Array, queue: Ints, queued: Flags, waiting: int)
     while waiting > 0:
         waiting -= 1
         a = queue[waiting]
-        queued[a] = False
+        queued[a] = 0
         for b in range(uavs):
             if ring[a, b] <= level[a] and level[b] < ring[b, a]:
                 level[b] = ring[b, a]
                 if not queued[b]:
-                    queued[b] = True
+                    queued[b] = 1
                     queue[waiting] = b
                     waiting += 1
 
