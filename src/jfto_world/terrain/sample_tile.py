@@ -26,10 +26,11 @@ def jacksboro() -> Raster:
     from matplotlib import cbook
 
     try:
-        tile: Any = cbook.get_sample_data(_FILE)  # typed as a stream, is an npz archive
-        heights = np.asarray(tile["elevation"], dtype=np.float64)
-        west, cell_x, cell_y = (float(tile[key]) for key in ("xmin", "dx", "dy"))
-        north = max(float(tile["ymin"]), float(tile["ymax"]))
+        archive: Any = cbook.get_sample_data(_FILE)  # typed as a stream, is an npz archive
+        with archive as tile:
+            heights = np.asarray(tile["elevation"], dtype=np.float64)
+            west, cell_x, cell_y = (float(tile[key]) for key in ("xmin", "dx", "dy"))
+            north = max(float(tile["ymin"]), float(tile["ymax"]))
     except (OSError, KeyError, ValueError) as error:
         raise TerrainError(
             f"The built-in terrain {JACKSBORO!r} cannot be read from matplotlib's sample data "
