@@ -151,7 +151,8 @@ class SimulatedFleetNode(GraphNode[SimulatedFleetOptions]):
         """Tell for whom nobody waits any more, and in the end how fast the flight was."""
         given_up, before = self._pace.given_up, self._given_up
         self._given_up = given_up
-        for name in given_up - before:
+        # On the ground a node may well compile for a minute.
+        for name in given_up - before if self._pace.flying else ():
             patience = f"{self._options.patience_s:g} s"
             text = f"{name} did not come on in {patience}: the vehicles' time goes on at real time."
             self.announce(Event(WARNED, "pace", "", text))

@@ -16,9 +16,9 @@ NS = 1_000_000_000
 class PaceSettings:
     """Seconds of the vehicles' time that they may be ahead of their graph, and what is done then.
 
-    While somebody is waited for, time creeps, so that a report that was lost is followed by
-    another. Whoever has not come on in `patience_s` of this computer's time is waited for no more;
-    until it comes on, or is gone, the vehicles keep to real time.
+    Time stands while somebody is waited for. In the second half of `patience_s`, of this computer's
+    time, it creeps, so that a report that was lost is followed by another. Whoever has not come on
+    by then is waited for no more; until it comes on, or is gone, the vehicles keep to real time.
     """
 
     ahead_s: float = 0.6
@@ -72,6 +72,11 @@ class FleetPace:
         self._begun: tuple[int, float] | None = None
         self.given_up: frozenset[str] = frozenset()
 
+    @property
+    def flying(self) -> bool:
+        """Whether a flight is on."""
+        return self._begun is not None
+
     def node_at(self, name: str, at_ns: int) -> None:
         """A node has come so far, ns since the epoch."""
         self._nodes.setdefault(name, _Follower(at_ns)).come_to(at_ns)
@@ -95,27 +100,26 @@ class FleetPace:
         # Copies: reports come in another thread.
         behind_ns = [(name, one, now_ns - one.at_ns) for name, one in tuple(self._nodes.items())]
         behind_ns += [
-            (_pose_of(uav), one, sent_ns.get(uav, 0) - one.at_ns)
+            (_pose_of(uav), one, max(sent_ns.get(uav, 0) - one.at_ns, 0))
             for uav, one in tuple(self._poses.items())
         ]
-        given_up, least_s, waiting = set(), math.inf, False
+        patience_s = self._settings.patience_s
+        given_up, least_s, speed = set(), math.inf, math.inf
         for name, one, late_ns in behind_ns:
             room_s = self._settings.ahead_s - late_ns / NS
             if room_s > 0:
-                one.since_s = None
-                # Who has answered everything may be sent more.
-                least_s = min(least_s, room_s) if late_ns > 0 else least_s
+                one.since_s, least_s = None, min(least_s, room_s)
                 continue
             one.since_s = wall_s if one.since_s is None else one.since_s
-            if wall_s - one.since_s > self._settings.patience_s:
+            if wall_s - one.since_s > patience_s:
                 given_up.add(name)
+                speed = min(speed, 1.0)
             else:
                 one.waited_s += passed_s
-                waiting = True
+                creeps = wall_s - one.since_s > patience_s / 2
+                speed = min(speed, self._settings.creep if creeps else 0.0)
         self.given_up = frozenset(given_up)
-        if waiting:
-            return self._settings.creep * passed_s
-        return min(least_s, passed_s) if given_up else least_s
+        return least_s if math.isinf(speed) else min(least_s, speed * passed_s)
 
     def look(self, now_ns: int, wall_s: float, *, flying: bool) -> PacedFlight | None:
         """Take note of whether somebody flies; returns the flight that has just ended, if any."""

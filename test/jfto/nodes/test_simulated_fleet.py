@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
-from rcl_interfaces.msg import Log
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64, Float64MultiArray, Header
 
@@ -23,7 +22,6 @@ from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.air import ARRAY_OF_TOPIC as AIR
 from jfto_msgs_py.ros.air import decode_air
 from jfto_msgs_py.ros.diagnostics import OK
-from jfto_msgs_py.ros.events import decode_event
 from jfto_msgs_py.ros.stamps import decode_time
 from jfto_msgs_py.scenario import Given, make_scenario
 from jfto_msgs_py.scenario.simulation import SimulationPart
@@ -148,7 +146,6 @@ def test_their_time_waits_for_a_node_that_falls_behind(tmp_path) -> None:
             endpoint=f"udpto:127.0.0.1:{free_udp_port()}", patience_s=2.0,
         )  # fmt: skip
         reports = graph.observer.create_publisher(Header, topics.CLOCK_TAKEN, qos.reports())
-        events = graph.collect(Log, topics.EVENTS, qos.events())
         clock_ns, reporting = [0], [True]
 
         def on_tick(tick):
@@ -162,13 +159,9 @@ def test_their_time_waits_for_a_node_that_falls_behind(tmp_path) -> None:
         graph.until(lambda: clock_ns[-1] > begun_ns + 20e9)
         reporting[0] = False
         last_ns = clock_ns[-1]
-        # At twenty times real time a tick is 0.4 s; standing it is 0.002 s.
-        graph.until(lambda: clock_ns[-1] - clock_ns[-10] < 0.05e9)
+        graph.until(lambda: clock_ns[-1] == clock_ns[-10])
         assert clock_ns[-1] - last_ns < 1.5e9
-        graph.until(lambda: events)
-        assert [event.kind for event in map(decode_event, events)] == ["pace"]
-        assert "observer did not come on in 2 s" in events[0].msg
-        assert "not waiting for observer" in node.statuses(0)[0].text
+        graph.until(lambda: "not waiting for observer" in node.statuses(0)[0].text)
         given_up_ns, wall_s = clock_ns[-1], time.monotonic()
         graph.until(lambda: clock_ns[-1] > given_up_ns + 1e9)
         assert time.monotonic() - wall_s > 0.8
