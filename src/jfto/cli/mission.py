@@ -7,16 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jfto.cli.mission_options import (
+from jfto.cli.mission_options import build, build_options
+from jfto.cli.options import debug_option
+from jfto.cli.vehicle_options import (
     PATH,
-    build,
-    build_options,
     key_option,
     roster_texts,
     speedup_option,
     vehicles_option,
 )
-from jfto.cli.options import debug_option
 
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
@@ -24,6 +23,7 @@ if TYPE_CHECKING:
     from jfto_mavlink.fleet.link import FleetLink
     from jfto_mavlink.protocol.item import Mission
 
+_vehicles_option = vehicles_option(scenario=False, required=True)
 FORMATS = {"plan": ".plan", "waypoints": ".waypoints"}
 
 
@@ -96,7 +96,7 @@ def diff(old: Path, new: Path, debug: bool) -> int:  # noqa: ARG001
 
 @command.command("upload")
 @click.argument("plan", type=PATH)
-@vehicles_option
+@_vehicles_option
 @key_option
 @speedup_option
 @build_options
@@ -121,7 +121,7 @@ def upload(plan: Path, debug: bool, **choices: Any) -> int:  # noqa: ARG001
 
 @command.command("verify")
 @click.argument("plan", type=PATH)
-@vehicles_option
+@_vehicles_option
 @key_option
 @build_options
 @debug_option
@@ -142,7 +142,7 @@ def verify_command(plan: Path, debug: bool, **choices: Any) -> int:  # noqa: ARG
 
 
 @command.command("clear")
-@vehicles_option
+@_vehicles_option
 @key_option
 @click.option("--yes", is_flag=True, help="Do not ask.")
 @debug_option
@@ -167,7 +167,7 @@ def clear_command(debug: bool, yes: bool, **choices: Any) -> int:  # noqa: ARG00
 
 
 @command.command("sign")
-@vehicles_option
+@_vehicles_option
 @click.option("--key", "key_file", type=PATH, metavar="FILE", required=True)
 @click.option("--create", is_flag=True, help="Make the key file first.")
 @debug_option
@@ -194,7 +194,7 @@ def sign(key_file: Path, create: bool, debug: bool, **choices: Any) -> int:  # n
 
 @command.command("order")
 @click.argument("order", type=click.Choice(["pause", "resume", "hold", "return", "land"]))
-@vehicles_option
+@_vehicles_option
 @key_option
 @click.option("--only", metavar="UAV", multiple=True, help="These vehicles; all if left out.")
 @debug_option

@@ -2,37 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from jfto.cli.vehicle_options import PATH, Function
+
 if TYPE_CHECKING:
     from jfto_mavlink.mission.build import VehicleMission
-
-Function = Callable[..., Any]
-PATH = click.Path(path_type=Path)
-
-vehicles_option = click.option(
-    "--vehicles",
-    metavar="ROSTER",
-    multiple=True,
-    required=True,
-    help="sim: simulated ones. LINK: vehicles with system ids 1, 2 …, all on one link or each on "
-    "its own. Or UAV=SYSID@LINK[#UID] per vehicle: uav1=1@udpin:0.0.0.0:14550. May be repeated or "
-    "separated by commas. Links: udpin:, udpout:, tcp:, serial:.",
-)
-key_option = click.option(
-    "--key", "key_file", type=PATH, metavar="FILE", help="MAVLink signing key, mode 0600."
-)
-speedup_option = click.option(
-    "--speedup",
-    type=click.FloatRange(0.1, 50.0),
-    default=1.0,
-    show_default=True,
-    help="Simulated vehicles only: how much faster than the clock.",
-)
 
 
 def build_options(function: Function) -> Function:
@@ -120,8 +99,3 @@ def build(plan_path: Path, choices: Mapping[str, Any]) -> dict[str, VehicleMissi
     )
     built = build_missions(plan, settings, ground=None if dem is None else dem.height)
     return {mission.uav: mission for mission in built}
-
-
-def roster_texts(vehicles: tuple[str, ...]) -> list[str]:
-    """Roster entries of a command line, one by one."""
-    return [text for entry in vehicles for text in entry.split(",") if text]

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jfto.cli.mission_options import PATH, key_option, roster_texts
 from jfto.cli.options import Function, json_option, out_option, scenario_options
+from jfto.cli.vehicle_options import PATH, key_option, roster_texts, vehicles_option
 
 if TYPE_CHECKING:
     from jfto.console.stages import StageProgress
@@ -29,17 +29,7 @@ def flight_options(function: Function) -> Function:
                 help="Stop there: plan and compare at the desk; missions on board and verified; "
                 "every check before arming passed. Nothing is armed.",
             ),
-            click.option(
-                "--vehicles",
-                metavar="WHO",
-                multiple=True,
-                default=("sim",),
-                show_default=True,
-                help="sim or sim:N: simulated ones. LINK: vehicles with system ids 1, 2 …, all on "
-                "one link or each on its own (udpin:, udpout:, tcp:, serial:). "
-                "UAV=SYSID@LINK[#UID] per vehicle. roster: those of the scenario's section "
-                "mavlink_bridge. May be repeated or separated by commas.",
-            ),
+            vehicles_option(default=("sim",), show_default=True),
             key_option,
             click.option(
                 "--speedup",

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jfto.cli.mission_options import PATH, key_option, roster_texts, speedup_option
 from jfto.cli.options import debug_option, load, out_option, scenario_argument, set_option
+from jfto.cli.vehicle_options import PATH, key_option, roster_texts, speedup_option, vehicles_option
 from jfto.supervision.graph_table import HORIZON_SLOTS, START_DELAY_S
 from jfto_msgs_py.ros.installation import require_ros
 
@@ -34,14 +34,7 @@ EXIT_UNCLEAN = 1
     show_default=True,
     help="plan: play the planned positions as poses, where there are no vehicles.",
 )
-@click.option(
-    "--vehicles",
-    metavar="WHO",
-    multiple=True,
-    help="sim: simulated vehicles. LINK: vehicles with system ids 1, 2 …, all on one link or each "
-    "on its own (udpin:, udpout:, tcp:, serial:). UAV=SYSID@LINK[#UID] per vehicle. roster: those "
-    "of the scenario's section mavlink_bridge. May be repeated or separated by commas.",
-)
+@vehicles_option()
 @key_option
 @speedup_option
 @click.option("--arm", is_flag=True, help="Let /jfto/mission/start arm vehicles that are real.")
