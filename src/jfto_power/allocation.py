@@ -20,9 +20,10 @@ class PowerProblem:
 
     `adjacency` and `gain` are (N + 1, A, B): A UAVs that decide and B that may listen, the whole
     fleet or, aboard one UAV, its own row (A = 1). Powers stay in [`p_low_w`, `p_high_w`], both
-    (N + 1, A), and Σ_{n=1..N} p Δt ≤ `energy_j` (A,), Δt being `slot_duration_s`. `names` label
-    UAVs in messages: uav1, uav2, … where there are none. Anything that numpy reads as such arrays
-    will do. Raises InputError for values that contradict each other.
+    (N + 1, A), and Σ_{n=1..N} p Δt ≤ `energy_j` (A,), Δt being `slot_duration_s`; `radio` has
+    bandwidth and noise. `names` label UAVs in messages: uav1, uav2, … where there are none.
+    Anything that numpy reads as such arrays will do. Raises InputError for values that contradict
+    each other.
     """
 
     adjacency: Flags
@@ -106,8 +107,22 @@ class Allocation:
 def allocate(problem: PowerProblem) -> Allocation:
     """Maximise Σ_{n=1..N} Σ_{ordered linked pairs} B log2(1 + p_an h_abn / σ²B) exactly.
 
-    Slot 0 costs nothing and follows the same water level. Raises EnergyShortage where the least
-    powers exceed a budget.
+    Slot 0 costs nothing and follows the same water level.
+
+    Parameters
+    ----------
+    problem
+        Links, gains, power intervals and budgets.
+
+    Returns
+    -------
+    Allocation
+        The best powers, and what one more joule would add.
+
+    Raises
+    ------
+    EnergyShortage
+        Where the least powers exceed a budget: names each UAV and what it lacks.
     """
     low, high, energy = problem.p_low_w, problem.p_high_w, problem.energy_j
     slot_s = problem.slot_duration_s
@@ -126,8 +141,17 @@ def allocate(problem: PowerProblem) -> Allocation:
 def allocate_prefix(problem: PowerProblem) -> Allocation:
     """Best allocation over the longest run of slots from 0 that every UAV can afford.
 
-    After the last slot held all powers are 0. This is what is left to do when `allocate` raises
-    EnergyShortage.
+    This is what is left to do when `allocate` raises EnergyShortage.
+
+    Parameters
+    ----------
+    problem
+        As for `allocate`.
+
+    Returns
+    -------
+    Allocation
+        After the last slot held, `slots_held`, all powers are 0.
     """
     low = problem.p_low_w
     affordable = affordable_slots(low, problem.energy_j, problem.slot_duration_s)

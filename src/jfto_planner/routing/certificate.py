@@ -43,6 +43,11 @@ def certify(
     ground
         Height that is wanted above the ground along the whole flight; None leaves it out.
 
+    Returns
+    -------
+    Certificate
+        Counts, margins and one violation for each UAV (or pair) and slot; `clean` where none is.
+
     Raises
     ------
     PlanError

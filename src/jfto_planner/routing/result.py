@@ -11,8 +11,9 @@ from jfto_planner.routing.assess import Assessment, Routes
 class SearchResult:
     """Best routes found, or where none satisfies every constraint the closest to it.
 
-    `routes` holds waypoint indices per UAV, `length_m` their summed length; `assessment` has the
-    violation totals and the energies. `stopped_by` is "time limit" or "user" where one of them
+    `routes` holds waypoint indices per UAV, `length_m` their summed length; `feasible` says whether
+    they keep every rule, `assessment` has the violation totals and the energies. `seconds` is what
+    it took by the clock. `stopped_by` is "time limit" or "user" where one of them
     ended the search, else empty. `moves` counts moves tried, `lengths_m` the best sound length of
     each start (inf where it found none).
     """

@@ -23,9 +23,33 @@ def cpapo(
 ) -> PoweredTopology:
     """Cyclic pruning from P_a,max around a connected dominating set, in every slot.
 
-    `positions_m` is (M, A, 3), `p_max_w` and `energy_j` (A,). A UAV that runs out of energy goes
-    off the air. Raises InputError as `ctop` does. The rules and what is not known of the original:
-    docs/explanation/baselines.md.
+    A UAV that runs out of energy goes off the air. The rules, and what is not known of the
+    original, are in docs/explanation/baselines.md.
+
+    Parameters
+    ----------
+    positions_m
+        (M, A, 3), ENU metres.
+    channel
+        Gain between two places.
+    p_max_w
+        Greatest powers (A,) in W, P_a,max.
+    sensitivity_w
+        Received power that makes a link, γ in W.
+    energy_j
+        Energy for transmission (A,) in J.
+    slot_duration_s
+        Δt in seconds.
+
+    Returns
+    -------
+    PoweredTopology
+        Links, powers and who is on the air, slot by slot.
+
+    Raises
+    ------
+    InputError
+        For arguments that make no sense.
     """
     required_w = required_powers(positions_m, channel, p_max_w, sensitivity_w)
     possible = np.isfinite(required_w)

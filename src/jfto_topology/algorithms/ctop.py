@@ -55,9 +55,32 @@ def ctop(
 ) -> Topology:
     """Topology and power intervals of every slot.
 
-    `positions_m` is (M, A, 3) in metres, `p_max_w` (A,) in watts; `k_min` < A and `delta` ≥ 0.
-    Raises InputError for arguments that make no sense; a fleet that is too far apart is not an
-    error, its slots and UAVs are flagged. Source: Algorithm 2 with eqs Pmin1, Pmax1.
+    Source: Algorithm 2 with eqs Pmin1, Pmax1.
+
+    Parameters
+    ----------
+    positions_m
+        (M, A, 3), ENU metres.
+    channel
+        Gain between two places.
+    p_max_w
+        Greatest powers (A,) in W, P_a,max.
+    sensitivity_w
+        Received power that makes a link, γ in W.
+    k_min
+        Least neighbours, K_min < A.
+    delta
+        Neighbours allowed beyond K_min, δ ≥ 0.
+
+    Returns
+    -------
+    Topology
+        A fleet that is too far apart is not an error: its slots and UAVs are flagged.
+
+    Raises
+    ------
+    InputError
+        For arguments that make no sense.
     """
     required_w = required_powers(positions_m, channel, p_max_w, sensitivity_w)
     return _from_required(required_w, p_max_w, k_min, delta)

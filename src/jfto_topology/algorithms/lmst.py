@@ -24,11 +24,37 @@ def a_lmst(
 ) -> PoweredTopology:
     """LMST with G+ in every slot, each kept link served over the distance it may grow to.
 
-    `positions_m` is (M, A, 3), `p_max_w`, `energy_j` and `speed_mps` (A,). Within a slot the two
-    ends of a link may part by (v_a + v_b) Δt; a UAV transmits so that its farthest kept neighbour
-    still hears it then, at most P_a,max. A UAV that runs out of energy goes off the air. Raises
-    InputError as `ctop` does. The rules, and what is not known of the original, are in
+    Within a slot the two ends of a link may part by (v_a + v_b) Δt; a UAV transmits so that its
+    farthest kept neighbour still hears it then, at most P_a,max. A UAV that runs out of energy goes
+    off the air. The rules, and what is not known of the original, are in
     docs/explanation/baselines.md.
+
+    Parameters
+    ----------
+    positions_m
+        (M, A, 3), ENU metres.
+    channel
+        Gain between two places.
+    p_max_w
+        Greatest powers (A,) in W, P_a,max.
+    sensitivity_w
+        Received power that makes a link, γ in W.
+    energy_j
+        Energy for transmission (A,) in J.
+    slot_duration_s
+        Δt in seconds.
+    speed_mps
+        Greatest speeds (A,).
+
+    Returns
+    -------
+    PoweredTopology
+        Links, powers and who is on the air, slot by slot.
+
+    Raises
+    ------
+    InputError
+        For arguments that make no sense.
     """
     required_w = required_powers(positions_m, channel, p_max_w, sensitivity_w)
     caps_w = checked_caps(p_max_w, required_w.shape[1])

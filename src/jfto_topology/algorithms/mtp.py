@@ -21,7 +21,30 @@ def mtp(
 ) -> PoweredTopology:
     """Every UAV at P_a,max until its energy is gone, then off the air.
 
-    `positions_m` is (M, A, 3), `p_max_w` and `energy_j` (A,). Raises InputError as `ctop` does.
+    Parameters
+    ----------
+    positions_m
+        (M, A, 3), ENU metres.
+    channel
+        Gain between two places.
+    p_max_w
+        Greatest powers (A,) in W, P_a,max.
+    sensitivity_w
+        Received power that makes a link, γ in W.
+    energy_j
+        Energy for transmission (A,) in J.
+    slot_duration_s
+        Δt in seconds.
+
+    Returns
+    -------
+    PoweredTopology
+        Links, powers and who is on the air, slot by slot.
+
+    Raises
+    ------
+    InputError
+        For arguments that make no sense.
     """
     required_w = required_powers(positions_m, channel, p_max_w, sensitivity_w)
     caps_w = checked_caps(p_max_w, required_w.shape[1])

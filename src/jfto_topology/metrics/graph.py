@@ -31,10 +31,27 @@ class DegreeStatistics:
 def connectivity_rate(adjacency: Flags, first_slot: int, on_air: Flags | None = None) -> float:
     """ξ: mean share of the survivors that stay in one component when one UAV is lost.
 
-    `adjacency` is (N + 1, A, A), symmetric; each UAV in turn is gone from n = `first_slot` (n_DC)
-    to N, powers staying as planned. `on_air` (N + 1, A) marks UAVs with energy left; one off the
-    air counts as lost too. ξ = Σ_a Σ_n AC_a(n)/(A - 1) / (A (N - n_DC + 1)), AC being the size of
-    the largest component. Raises InputError for one UAV or a slot beyond the plan.
+    Each UAV in turn is gone from n_DC to N, powers staying as planned:
+    ξ = Σ_a Σ_n AC_a(n)/(A - 1) / (A (N - n_DC + 1)), AC being the size of the largest component.
+
+    Parameters
+    ----------
+    adjacency
+        Links (N + 1, A, A), symmetric.
+    first_slot
+        n_DC, the first slot that counts.
+    on_air
+        (N + 1, A), marks UAVs with energy left; one off the air counts as lost too. None: all.
+
+    Returns
+    -------
+    float
+        ξ, from 0 to 1.
+
+    Raises
+    ------
+    InputError
+        For one UAV, or a slot beyond the plan.
     """
     slots, uavs = adjacency.shape[:2]
     if not 0 <= first_slot < slots:
@@ -110,7 +127,15 @@ def degree_statistics(adjacency: Flags, k_min: int, delta: int) -> DegreeStatist
 def average_hops(adjacency: Flags) -> float:
     """Mean shortest-path length over ordered pairs and slots; inf if any slot is disconnected.
 
-    `adjacency` is (M, A, A), symmetric. 0 for a single UAV.
+    Parameters
+    ----------
+    adjacency
+        Links (M, A, A), symmetric.
+
+    Returns
+    -------
+    float
+        Links on the way, 0 for a single UAV.
     """
     hops = hop_counts(adjacency)
     pairs = hops.shape[0] * hops.shape[1] * (hops.shape[1] - 1)

@@ -15,8 +15,22 @@ def slot_throughput(
 ) -> Array:
     """Network throughput of each slot in bit/s, (M,).
 
-    `adjacency` and `gain` are (M, A, A), `power_w` (M, A). Each linked unordered pair counts with
-    the mean of its two directions: half duplex, equal shares.
+    Each linked unordered pair counts with the mean of its two directions: half duplex, equal
+    shares.
+
+    Parameters
+    ----------
+    adjacency, gain
+        Links and linear gains (M, A, A).
+    power_w
+        Powers (M, A) in W.
+    radio
+        Bandwidth and noise.
+
+    Returns
+    -------
+    Array
+        (M,), bit/s.
     """
     rate = np.where(adjacency, rate_bps(radio, power_w[:, :, None], gain), 0.0)
     return rate.sum(axis=(1, 2)) / 2
