@@ -23,7 +23,7 @@ COMMANDS = {
     "evaluate": "Compare C-TOP with MTP, A-LMST and CPAPO on a plan.",
     "report": "Rebuild the figures and the report of a run.",
     "mission": "Missions for ArduPilot: files, upload, verification.",
-    "up": "The ROS 2 node graph of a scenario, without ROS 2.",
+    "up": "The ROS 2 node graph of a scenario, without launch files.",
     "fly": "Fly a plan with real or simulated vehicles.",
     "sim": "Simulated ArduCopter vehicles on TCP and UDP.",
     "train": "Train the learned planner RL-TP.",

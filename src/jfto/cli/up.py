@@ -68,7 +68,7 @@ def command(
     debug: bool,  # noqa: ARG001  main() reads it
     **choices: Any,
 ) -> int:
-    """Run the node graph of SCENARIO without ROS 2, one supervised process per node.
+    """Run the node graph of SCENARIO without ros2 launch, one supervised process per node.
 
     Planner, topology and power are started, and what --poses, --vehicles and --record ask for; one
     that dies is started again, waiting longer each time; Ctrl-C stops all in reverse order. Each

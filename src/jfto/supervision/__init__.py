@@ -1,1 +1,1 @@
-"""Keeps the processes of a node graph running on a machine without ROS 2."""
+"""Keeps the processes of a node graph running without ros2 launch."""
