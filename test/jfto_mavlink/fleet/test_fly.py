@@ -12,6 +12,7 @@ from jfto_mavlink.dialect import MODES, mavlink
 from jfto_mavlink.errors import CommandError, FlightError, TransferError
 from jfto_mavlink.fleet.fly import Fleet, FlySettings, deliver_to_fleet, start_fleet
 from jfto_mavlink.fleet.monitor import FlightMonitor
+from jfto_mavlink.fleet.orders import FleetOrders, OrderSettings
 from jfto_mavlink.flight.control import (
     StartLine,
     brake,
@@ -184,6 +185,21 @@ def test_a_fleet_ready_too_late_for_its_gates_stays_on_the_ground(plan):
     """A start in the past would desynchronise everything."""
     with pytest.raises(FlightError, match="too late for its time gates"):
         Field(plan).fly(FlySettings(start_at_s=READY_S + 1.0))
+
+
+def test_an_order_to_start_waits_for_the_moment_of_the_gates(plan):
+    """Lift-off at the second that the missions count from; an order too late arms nobody."""
+    field = Field(plan)
+    at_s = READY_S + 40.0
+    away_s = [1.0]
+    orders = FleetOrders(field.fleet, OrderSettings(True, start_away_s=lambda: away_s[0]))
+    with pytest.raises(FlightError, match="too late for its time gates"):
+        orders.start()
+    assert not any(event.kind == "armed" for event in field.events)
+    away_s[0] = at_s - field.runner.now_s
+    assert orders.start() == "flying: uav1, uav2"
+    started = [told_s for told_s, text in field.said if text.endswith("starts its mission")]
+    assert started == pytest.approx([at_s, at_s], abs=0.5)
 
 
 def test_a_vehicle_that_is_not_ready_keeps_all_on_the_ground(plan):
