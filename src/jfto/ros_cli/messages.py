@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import array
 import importlib
+import re
 import sys
 import time
 from dataclasses import dataclass
@@ -63,7 +64,7 @@ def to_yaml(value: Any, limits: TextLimits | None = None) -> str:
     return text.removesuffix("...\n")
 
 
-def to_plain(value: Any, kind: str, limits: TextLimits) -> Any:
+def to_plain(value: Any, kind: str, limits: TextLimits) -> Any:  # noqa: PLR0911 - one a kind
     """A message as a dictionary, arrays as lists, bytes as numbers.
 
     `kind` is the field's type as the message names it, "" for a message itself.
@@ -71,22 +72,20 @@ def to_plain(value: Any, kind: str, limits: TextLimits) -> Any:
     if hasattr(value, "get_fields_and_field_types"):
         fields = value.get_fields_and_field_types()
         return {name: to_plain(getattr(value, name), fields[name], limits) for name in fields}
+    if isinstance(value, bytes):
+        # Of a message, bytes are always one.
+        return value[0]
+    if isinstance(value, str):
+        if limits.no_strings:
+            return f"<{kind}, length: {len(value)}>"
+        shown = value[: limits.length]
+        return shown if shown == value else f"{shown}..."
     if isinstance(value, _SEQUENCES):
         if limits.no_arrays:
             return f"<{kind}, length: {len(value)}>"
-        return _cut([to_plain(each, kind, limits) for each in value], ["..."], limits)
-    if isinstance(value, str):
-        return (
-            f"<{kind}, length: {len(value)}>" if limits.no_strings else _cut(value, "...", limits)
-        )
-    if isinstance(value, bytes):
-        value = value[0]
+        plain = [to_plain(each, kind, limits) for each in value[: limits.length]]
+        return plain if len(plain) == len(value) else [*plain, "..."]
     return value.item() if isinstance(value, np.generic) else value
-
-
-def _cut(value: Any, rest: Any, limits: TextLimits) -> Any:
-    is_short = limits.length is None or len(value) <= limits.length
-    return value if is_short else value[: limits.length] + rest
 
 
 def read_yaml(text: str) -> dict[str, Any]:
@@ -123,11 +122,12 @@ def fill(message: Any, values: dict[str, Any], now: Any = None) -> None:
 
 
 def _set(message: Any, name: str, kind: str, value: Any) -> None:
-    element = kind.removeprefix("sequence<").partition("[")[0].partition(",")[0].rstrip(">")
-    many = element != kind
+    # An array is written double[9], sequence<double> or sequence<double, 3>.
+    many = kind.startswith("sequence<") or kind.endswith("]")
+    element = re.split(r"[\[,>]", kind.removeprefix("sequence<"))[0] if many else kind
     try:
         items = [_element(element, each) for each in (value if many else [value])]
-        # Unless told so, rclpy checks nothing, and ends the process when it comes to send.
+        # Unless told so, rclpy checks nothing.
         checked = type(message)(check_fields=True, **{name: items if many else items[0]})
     except (AssertionError, TypeError, ValueError, OverflowError):
         where = f"{type(message).__name__}.{name}"
@@ -138,6 +138,8 @@ def _set(message: Any, name: str, kind: str, value: Any) -> None:
 def _element(kind: str, value: Any) -> Any:
     """One value as rclpy wants it for a field, or an element of one."""
     if "/" in kind:
+        if not isinstance(value, dict):
+            raise TypeError(value)
         message = message_class(kind)()
         fill(message, value)
         return message
