@@ -17,9 +17,7 @@ from rclpy.signals import SignalHandlerOptions
 EXIT_INTERRUPTED = 130
 EXIT_TERMINATED = 143
 
-# Discovery is over when the graph has not changed for so long. On a busy computer the first nodes
-# are found late.
-_QUIET_S = 0.3
+# On a busy computer the first nodes are found late.
 _ALONE_S = 3.0
 # How long a signal may go unnoticed.
 _POLL_S = 0.05
@@ -98,20 +96,12 @@ class Session:
             raise Stopped(self._signals.status)
 
     def discover(self, spin_time_s: float) -> None:
-        """Listen for `spin_time_s`, and on until others were found and no more come."""
-        begin, picture = time.monotonic(), None
-        while True:
-            before = picture
-            picture = (
-                self.node.get_topic_names_and_types(),
-                self.node.get_service_names_and_types(),
-                self.node.get_node_names_and_namespaces(),
-            )
-            is_alone = len(picture[2]) < 2
-            elapsed_s = time.monotonic() - begin
-            if picture == before and elapsed_s >= max(spin_time_s, _ALONE_S if is_alone else 0):
-                return
-            self.pause(_QUIET_S)
+        """Listen for `spin_time_s`, and for longer where nobody was found by then."""
+        self.pause(spin_time_s)
+        if len(self.node.get_node_names()) < 2:
+            self.spin_until(lambda: len(self.node.get_node_names()) > 1, _ALONE_S)
+            # Where one is found, the others follow.
+            self.pause(spin_time_s)
 
 
 @contextlib.contextmanager
