@@ -18,7 +18,8 @@ EXIT_INTERRUPTED = 130
 EXIT_TERMINATED = 143
 
 # On a busy computer the first nodes are found late.
-_ALONE_S = 3.0
+_ALONE_S = 2.0
+_QUIET_S = 0.3
 # How long a signal may go unnoticed.
 _POLL_S = 0.05
 
@@ -101,7 +102,7 @@ class Session:
         if len(self.node.get_node_names()) < 2:
             self.spin_until(lambda: len(self.node.get_node_names()) > 1, _ALONE_S)
             # Where one is found, the others follow.
-            self.pause(spin_time_s)
+            self.pause(_QUIET_S)
 
 
 @contextlib.contextmanager
