@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from rclpy.context import Context
-from rclpy.executors import MultiThreadedExecutor
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
 # For a computer that is busy with other things.
@@ -18,11 +18,11 @@ LIMIT_S = 60.0
 
 @contextlib.contextmanager
 def spinning_node(name: str, namespace: str = "", **options: Any) -> Iterator[Node]:
-    """A node whose callbacks run in threads until the block ends."""
+    """A node whose callbacks run in a thread until the block ends."""
     context = Context()
     context.init(args=[])
     node = Node(name, namespace=namespace, context=context, **options)
-    executor = MultiThreadedExecutor(num_threads=2, context=context)
+    executor = SingleThreadedExecutor(context=context)
     executor.add_node(node)
     thread = threading.Thread(target=executor.spin)
     thread.start()
