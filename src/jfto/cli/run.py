@@ -123,7 +123,7 @@ def _vehicles(loaded: LoadedScenario, choices: dict[str, Any]) -> Vehicles:
     """Who flies; raises InputError or RosterError before anything is done."""
     from jfto.flight.gates import parse_gates
     from jfto.flight.operator import require_confirmation
-    from jfto.flight.speedup import default_speedup
+    from jfto.flight.settings import default_speedup
     from jfto.supervision.vehicles import choose_vehicles
     from jfto_mavlink.fleet.roster import are_simulated
     from jfto_msgs_py.errors import InputError

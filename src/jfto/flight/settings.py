@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 
+# Vehicles times speed-up that one core is asked to carry with the whole graph beside them; what
+# that leaves idle is in docs/how-to/run.md. Faster than the greatest nobody needs.
+PER_CORE = 40.0
+GREATEST = 10.0
 UPLOAD, ARM, LANDED = "upload", "arm", "landed"
 
 
@@ -50,3 +55,9 @@ class ConductSettings:
     def wall_s(self, fleet_s: float) -> float:
         """How long this computer waits for so much of the vehicles' time."""
         return 30.0 + self.wall_factor * fleet_s / self.speedup
+
+
+def default_speedup(vehicle_count: int) -> float:
+    """Speed-up at which a fleet of simulated vehicles does not fall behind."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    return max(1.0, min(GREATEST, round(PER_CORE * (cores or 1) / vehicle_count, 1)))

@@ -6,7 +6,7 @@ import os
 
 import pytest
 
-from jfto.flight.speedup import default_speedup
+from jfto.flight.settings import default_speedup
 
 
 @pytest.mark.parametrize(
