@@ -7,10 +7,19 @@ from typing import TYPE_CHECKING
 from jfto_msgs_py.lazy import lazy_names
 
 if TYPE_CHECKING:
-    from jfto.api import compare, cover, load_scenario, plan, power, topology
+    from jfto.api import compare, cover, load_scenario, plan, power, report, topology
 
 __version__ = "0.1.0"
-__all__ = ["__version__", "compare", "cover", "load_scenario", "plan", "power", "topology"]
+__all__ = [
+    "__version__",
+    "compare",
+    "cover",
+    "load_scenario",
+    "plan",
+    "power",
+    "report",
+    "topology",
+]
 
 
 __getattr__ = lazy_names("jfto", dict.fromkeys(__all__[1:], "jfto.api"))

@@ -46,6 +46,15 @@ def test_the_comparison_reads_as_a_table(plan):
     assert [line.split()[0] for line in lines[1:5]] == ["MTP", "A-LMST", "CPAPO", "C-TOP"]
 
 
+def test_a_report_is_one_page_beside_its_plan(plan, tmp_path):
+    """The page is offline HTML, and its figures and comparison lie in the same directory."""
+    page = jfto.report(TINY, plan, tmp_path / "first")
+    assert page.read_text(encoding="utf-8").lower().startswith("<!doctype html>")
+    assert {"plan.json", "figures", "comparison.json"} <= {
+        each.name for each in page.parent.iterdir()
+    }
+
+
 def test_overrides_are_values_and_wrong_ones_are_refused():
     """Lists and numbers as Python has them; unknown keys are errors as in the file."""
     scenario = jfto.load_scenario(TINY, {"fleet.speed_mps": [7.0], "search.seed": 5}).scenario

@@ -108,7 +108,7 @@ def test_the_wheel_holds_every_module_and_data_file(wheel: zipfile.ZipFile) -> N
     for path in (ROOT / "src").rglob("*.py"):
         if path.is_file() and "egg-info" not in str(path):
             assert str(path.relative_to(ROOT / "src")) in names
-    assert {"jfto/report/static/report.css", "jfto/report/static/scene.js"} <= names
+    assert {"jfto/reporting/static/report.css", "jfto/reporting/static/scene.js"} <= names
     assert "jfto/py.typed" in names
 
 

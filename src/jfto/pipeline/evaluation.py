@@ -13,7 +13,7 @@ from jfto.planning.routes import plan_routes, read_and_certify
 from jfto.planning.scenario_file import SCENARIO_NAME, LoadedScenario, load_scenario
 from jfto.planning.survey import survey
 from jfto.planning.terrain import known_ground
-from jfto.report.figures import draw, plan_drawings
+from jfto.reporting.figures import draw, plan_drawings
 from jfto_msgs_py.files import write_file
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.scenario.mission import EvaluationPart

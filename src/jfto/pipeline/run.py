@@ -230,7 +230,7 @@ class Pipeline:
             self._progress.end("figures", f"{len(kept) // 2} figures", _KEPT)
             if flight is None:
                 return
-        from jfto.report.figures import draw, flight_drawings, plan_drawings
+        from jfto.reporting.figures import draw, flight_drawings, plan_drawings
 
         slot = self._loaded.scenario.evaluation.slot_shown
         of_plan = {} if kept else plan_drawings(plan, comparison, self._dem, slot)
@@ -245,7 +245,7 @@ class Pipeline:
         if run.flight is None and self._products.kept("report", inputs):
             self._progress.end("report", f"{path.stat().st_size / 1e6:.1f} MB", _KEPT)
             return path
-        from jfto.report.page import ReportContent, report_page
+        from jfto.reporting.page import ReportContent, report_page
 
         assert run.comparison is not None
         self._progress.begin("report", "writing")

@@ -17,7 +17,7 @@ from jfto.flight.screen.state import (
     LinkState,
     UavState,
 )
-from jfto.report.palette import uav_colour, uav_sign
+from jfto.reporting.palette import uav_colour, uav_sign
 from jfto_msgs_py.records.event import ERROR, WARN, Event
 
 GOOD, NOTE, BAD, SOFT = "green", "bold yellow", "bold red", "bright_black"

@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 
 from jfto.planning.survey import Survey
-from jfto.report.figures.motion import flight_profiles
-from jfto.report.palette import uav_colour
+from jfto.reporting.figures.motion import flight_profiles
+from jfto.reporting.palette import uav_colour
 from jfto_msgs_py.plan import Plan
 
 

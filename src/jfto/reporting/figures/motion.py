@@ -9,14 +9,14 @@ from matplotlib.figure import Figure
 
 from jfto.analysis.facts import FlightFacts
 from jfto.analysis.motion import Motion, motions
-from jfto.report.figures.style import (
+from jfto.reporting.figures.style import (
     PAGE_WIDTH_IN,
     new_figure,
     rule,
     styled,
     uav_style,
 )
-from jfto.report.palette import uav_colour
+from jfto.reporting.palette import uav_colour
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.records.passage import VISITED_M
 from jfto_msgs_py.types import Array

@@ -8,13 +8,13 @@ from matplotlib.figure import Figure
 
 from jfto.analysis.facts import FlightFacts
 from jfto.analysis.motion import motions
-from jfto.report.figures.map import draw_pad, finish_map, new_map
-from jfto.report.figures.style import (
+from jfto.reporting.figures.map import draw_pad, finish_map, new_map
+from jfto.reporting.figures.style import (
     TROUBLE_COLOUR,
     styled,
     uav_style,
 )
-from jfto.report.palette import uav_colour
+from jfto.reporting.palette import uav_colour
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.types import Array
 from jfto_world.terrain import Dem

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from jfto.analysis.facts import FlightFacts
 from jfto.analysis.grid import FINER
-from jfto.report.figures.style import (
+from jfto.reporting.figures.style import (
     FLOWN_STYLE,
     PAGE_WIDTH_IN,
     PLANNED_STYLE,
@@ -18,7 +18,7 @@ from jfto.report.figures.style import (
     rule,
     styled,
 )
-from jfto.report.palette import uav_colour
+from jfto.reporting.palette import uav_colour
 from jfto_msgs_py.records.event import ERROR, WARN
 from jfto_msgs_py.types import Array
 

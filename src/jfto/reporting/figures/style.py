@@ -11,7 +11,7 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jfto.report.palette import UAV_COLOURS, uav_colour
+from jfto.reporting.palette import UAV_COLOURS, uav_colour
 
 P = ParamSpec("P")
 

@@ -7,14 +7,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from jfto.analysis.comparison import AlgorithmResult, Comparison
-from jfto.report.figures.map import draw_north_arrow, draw_relief, draw_scale_bar, drawn_extent
-from jfto.report.figures.style import (
+from jfto.reporting.figures.map import draw_north_arrow, draw_relief, draw_scale_bar, drawn_extent
+from jfto.reporting.figures.style import (
     PAGE_WIDTH_IN,
     new_figure,
     styled,
     uav_style,
 )
-from jfto.report.palette import uav_colour
+from jfto.reporting.palette import uav_colour
 from jfto_msgs_py.plan import Plan
 from jfto_world.terrain import Dem
 

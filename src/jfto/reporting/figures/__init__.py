@@ -10,12 +10,12 @@ from matplotlib.figure import Figure
 from jfto.analysis.comparison import Comparison
 from jfto.analysis.facts import FlightFacts
 from jfto.console.progress import SILENT, Progress
-from jfto.report.figures.motion import flight_profiles, flown_timing
-from jfto.report.figures.network import degree_and_energy, flown_network, throughput_over_slots
-from jfto.report.figures.routes import flown_map, route_map
-from jfto.report.figures.safety import flown_certificate, flown_events
-from jfto.report.figures.style import save
-from jfto.report.figures.topology import topology_panels
+from jfto.reporting.figures.motion import flight_profiles, flown_timing
+from jfto.reporting.figures.network import degree_and_energy, flown_network, throughput_over_slots
+from jfto.reporting.figures.routes import flown_map, route_map
+from jfto.reporting.figures.safety import flown_certificate, flown_events
+from jfto.reporting.figures.style import save
+from jfto.reporting.figures.topology import topology_panels
 from jfto_msgs_py.plan import Plan
 from jfto_world.terrain import Dem
 

@@ -15,9 +15,9 @@ from jfto.analysis.comparison import compare
 from jfto.analysis.facts import FlightFacts, facts_of
 from jfto.pipeline.run import Run
 from jfto.planning.survey import Survey
-from jfto.report.figures import draw, flight_drawings, plan_drawings
-from jfto.report.figures.map import nice_length
-from jfto.report.figures.motion import flight_profiles
+from jfto.reporting.figures import draw, flight_drawings, plan_drawings
+from jfto.reporting.figures.map import nice_length
+from jfto.reporting.figures.motion import flight_profiles
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.records.event import ERROR, WARN, Event
 from support.fleets import START_NS

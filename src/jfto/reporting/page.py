@@ -22,8 +22,8 @@ from jfto.analysis.comparison import Comparison
 from jfto.analysis.facts import FlightFacts
 from jfto.analysis.motion import flight_spread, spread_text
 from jfto.analysis.paper import HEADINGS, PAPER, active_text, beside_paper, number, ratios_text
-from jfto.report.palette import uav_colour
-from jfto.report.scene import FLOWN, scene_data
+from jfto.reporting.palette import uav_colour
+from jfto.reporting.scene import FLOWN, scene_data
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.records.event import ERROR, WARN
 from jfto_msgs_py.records.passage import VISITED_M
@@ -102,7 +102,7 @@ def report_page(content: ReportContent) -> str:
 def _environment() -> Environment:
     """Templates with the words and numbers that they are written in; all text is escaped."""
     environment = Environment(
-        loader=PackageLoader("jfto.report"),
+        loader=PackageLoader("jfto.reporting"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -138,7 +138,7 @@ def _environment() -> Environment:
 
 def _static(name: str) -> Markup:
     """A file of the page's own, as it is."""
-    text = (resources.files("jfto.report") / "static" / name).read_text(encoding="utf-8")
+    text = (resources.files("jfto.reporting") / "static" / name).read_text(encoding="utf-8")
     return Markup(text)  # noqa: S704  ours, not the user's
 
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.transforms import ScaledTranslation, Transform
 
-from jfto.report.figures.style import PAGE_WIDTH_IN, new_figure
+from jfto.reporting.figures.style import PAGE_WIDTH_IN, new_figure
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.types import Array
 from jfto_world.terrain import Dem

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from jfto.analysis.comparison import Comparison
 from jfto.analysis.facts import FlightFacts
-from jfto.report.figures.style import (
+from jfto.reporting.figures.style import (
     ALGORITHM_STYLES,
     FLOWN_STYLE,
     PAGE_WIDTH_IN,

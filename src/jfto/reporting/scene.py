@@ -11,8 +11,8 @@ from jfto.analysis.facts import FlightFacts
 from jfto.analysis.grid import FINER
 from jfto.analysis.motion import motions
 from jfto.analysis.record import Track
-from jfto.report.figures.map import drawn_extent, sampled_ground
-from jfto.report.palette import uav_colour
+from jfto.reporting.figures.map import drawn_extent, sampled_ground
+from jfto.reporting.palette import uav_colour
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.types import Array, Flags
 from jfto_msgs_py.units import dbm_to_w, ratio_to_db
