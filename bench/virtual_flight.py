@@ -42,7 +42,8 @@ class Score:
     """What one flight achieved: mean network throughput, ξ from slot 45 on, shares of violations.
 
     `below` is the share of UAVs and moments with fewer than K_min links, `apart` that of moments
-    with a fleet in parts, `overdrawn` the number of UAVs that ran out of energy for sending.
+    with a fleet in parts, `overdrawn` the number of UAVs that ran out of energy for sending before
+    the last look: to have spent all by then is what is best.
     """
 
     mbps: float
@@ -109,11 +110,12 @@ def fly(world: World, pilot: Pilot, n_dc: int) -> Score:
     step_s = world.step_s(plan)
     # On the pads the radios are on and hear each other.
     report = air.step(0.0, world.places_m[0], metered=False, stamp_ns=START_NS - 10**9)
-    reports = []
+    reports, overdrawn = [], 0
     for now_s, places_m, poses_m in zip(world.times_s, world.places_m, world.poses_m, strict=True):
         now_ns = START_NS + round(now_s * 1e9)
         for uav, watt in (pilot.powers(now_ns, poses_m, report) or {}).items():
             air.set_power(uav, float(w_to_dbm(watt)))
+        overdrawn = int((air.left_j <= 0).sum())
         report = air.step(step_s, places_m, stamp_ns=now_ns)
         reports.append(report)
     links = np.stack([report.links for report in reports])
@@ -124,5 +126,5 @@ def fly(world: World, pilot: Pilot, n_dc: int) -> Score:
         connectivity_rate(links, n_dc * STEPS_PER_SLOT, on_air),
         float((degrees(links) < plan.k_min).mean()),
         float((part.max(axis=1) > 0).mean()),
-        int((air.left_j <= 0).sum()),
+        overdrawn,
     )
