@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import re
 import subprocess
 import sys
@@ -64,6 +65,13 @@ def test_files_that_pages_name_are_there(page):
     named = [each.rstrip("./") for each in _PATH.findall(text)]
     gone = [each for each in named if not (ROOT / each).exists() and page.name != "CHANGELOG.md"]
     assert gone == []
+
+
+@pytest.mark.parametrize("page", _pages(), ids=lambda path: str(path.relative_to(ROOT)))
+def test_modules_that_pages_run_are_there(page):
+    """What a page tells to run with python -m can be run."""
+    for module in re.findall(r"python -m (jfto[\w.]*\w)", page.read_text(encoding="utf-8")):
+        assert importlib.util.find_spec(module) is not None, f"{page.name} runs {module}"
 
 
 def test_the_picture_of_the_house_is_made_from_the_imports(tmp_path):
