@@ -127,8 +127,10 @@ class Client:
         event = Event(level, kind, "", " ".join(text.split()), self.now_ns, NODE_NAME)
         self._events.publish(encode_event(event))
 
-    def take_poses(self) -> None:
-        """Hand the last pose of each UAV to the tracker."""
+    def take_progress(self) -> None:
+        """Hand the last pose of each UAV, and how far its autopilot has come, to the tracker."""
+        for uav, vehicle in self.fleet().uavs.items():
+            self._tracker.take_reached(uav, vehicle.reached, vehicle.late_s)
         poses = dict(self._poses)
         self._poses.clear()
         for uav, data in poses.items():

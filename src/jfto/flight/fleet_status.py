@@ -12,7 +12,8 @@ from jfto_msgs_py.ros.diagnostics import ERROR, OK, Diagnostics, Status
 class VehicleStatus:
     """One vehicle: whether its link is up, how long it has been silent (s of its clock), …
 
-    … whether it is armed, in which mode, and how many of its waypoints it has reached.
+    … whether it is armed, in which mode, how many of its waypoints it has reached, and how late the
+    last of them, where that is known.
     """
 
     linked: bool = False
@@ -20,6 +21,7 @@ class VehicleStatus:
     armed: bool = False
     mode: str = ""
     reached: int = 0
+    late_s: float | None = None
 
     @property
     def down(self) -> bool:
@@ -96,6 +98,7 @@ def _vehicle(status: Status | None) -> VehicleStatus:
         armed=facts["armed"] == "true",
         mode=facts.get("mode", ""),
         reached=int(_number(facts.get("waypoints_reached", "")) or 0),
+        late_s=_number(facts.get("late_s", "")),
     )
 
 

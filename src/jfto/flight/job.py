@@ -243,7 +243,7 @@ class _Loop:
             self._flight = [*self._flight[:1], fleet]
         if fleet.now_s - self._shown_s >= _SHOW_EVERY_S:
             self._shown_s = fleet.now_s
-            self._client.take_poses()
+            self._client.take_progress()
             doing = "" if self._conductor.stage == Stage.FLY else self._conductor.stage.value
             self._operator.show(self._tracker.state(self._client.now_ns, doing))
 

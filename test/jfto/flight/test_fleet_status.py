@@ -28,7 +28,7 @@ def test_a_vehicle_is_seen_as_its_bridge_reports_it() -> None:
     graph.take(Diagnostics("planner_node", 1, (Status("", OK, "12 waypoints"),)))
     fleet = graph.fleet(5.0, 50.0)
     assert fleet.uavs == {
-        "uav1": VehicleStatus(True, 0.4, True, "AUTO", 7),
+        "uav1": VehicleStatus(True, 0.4, True, "AUTO", 7, None),
         "uav2": VehicleStatus(),
     }
     assert (fleet.note, fleet.planned, fleet.all_linked, fleet.all_down) == ("", True, False, False)

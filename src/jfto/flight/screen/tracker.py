@@ -44,6 +44,7 @@ class FlightTracker:
         self._power_w: dict[str, float] = {}
         self._battery: dict[str, float] = {}
         self._landed: set[str] = set()
+        self._reached: dict[str, tuple[int, float | None]] = {}
         # How late each was that has done its route.
         self._finished: dict[str, float] = {}
         self._adjacency: Adjacency | None = None
@@ -64,6 +65,13 @@ class FlightTracker:
         """A measured pose; one older than the last is ignored."""
         if self._prediction.set_pose(uav, pose):
             self._poses[uav] = pose
+
+    def take_reached(self, uav: str, count: int, late_s: float | None) -> None:
+        """So many waypoints its autopilot has reported, the last of them so late.
+
+        They count where the poses tell of fewer, as while it waits at a time gate.
+        """
+        self._reached[uav] = (count, late_s)
 
     def take_power(self, uav: str, dbm: float, now_ns: int) -> None:
         """The power that is in force from now on, -inf for silence."""
@@ -133,9 +141,15 @@ class FlightTracker:
             # Nobody knows how far a silent one has come since.
             reached_s = clock_s - age_s - late_s + _AT_S
             done = int(np.searchsorted(arrivals, reached_s, side="right"))
+            reached, told_s = self._reached.get(uav.id, (0, None))
+            if reached > done or reached == len(arrivals):
+                done = reached
+                late_s = late_s if told_s is None else told_s
             if uav.id in self._finished or done == len(arrivals):
                 # On the way home it is nowhere along its route.
                 late_s = self._finished.setdefault(uav.id, late_s)
+                if reached == len(arrivals) and told_s is not None:
+                    late_s = self._finished[uav.id] = told_s
                 done = len(arrivals)
             else:
                 next_in_s = float(arrivals[done]) + late_s - clock_s

@@ -139,3 +139,16 @@ def test_events_are_taken_once_and_timed_from_lift_off(plan: Plan) -> None:
     after = tracker.state(_at(20.0))
     (shown,) = after.events
     assert texts.event(shown, after.lift_off_ns).plain == "00:12 ! uav2 runs short"
+
+
+def test_what_the_autopilot_reports_counts_where_poses_tell_of_less(plan: Plan) -> None:
+    """At a time gate a UAV stands still with its waypoint reached, and is no later for that."""
+    tracker = FlightTracker(plan, "tiny")
+    tracker.take_lift_off(START_NS)
+    arrivals = plan.routes[0].arrival_s
+    _fly(tracker, plan, 1.0, late_s=1.0)
+    tracker.take_reached("uav1", len(arrivals), 0.4)
+    uav = tracker.state(_at(1.0)).uavs[0]
+    assert (uav.done, uav.late_s, uav.next_in_s) == (len(arrivals), 0.4, None)
+    tracker.take_reached("uav2", 1, 5.0)
+    assert tracker.state(_at(1.0)).uavs[1].done == 1
