@@ -26,6 +26,8 @@ SCENARIO = QUICK | {"fleet.speed_mps": [0.5]}
 LIMIT_S = 240.0
 HOSTS = ("planner", "topology", "power")
 DISCOVERY = "ROS_AUTOMATIC_DISCOVERY_RANGE"
+# What the tests' own ROS set, and a process on another host would not inherit.
+OF_OURS = (DISCOVERY, "FASTRTPS_DEFAULT_PROFILES_FILE")
 # Runs on the third host too, as somebody who joins there and waits for the graph's last word.
 LISTENER = """
 from jfto_msgs_py.ros.installation import require_ros
@@ -133,7 +135,7 @@ class _Hosts:
     def start(self, host: str, *command: str, log: Path, asked: bool = True) -> subprocess.Popen:
         """A Python process on a host, which looks for the others where it is `asked` to."""
         others = ";".join(self.address[other] for other in HOSTS if other != host)
-        environment = {name: each for name, each in os.environ.items() if name != DISCOVERY}
+        environment = {name: each for name, each in os.environ.items() if name not in OF_OURS}
         if asked and self._multicast:
             environment[DISCOVERY] = "SUBNET"
         elif asked:

@@ -109,6 +109,7 @@ def test_the_wheel_holds_every_module_and_data_file(wheel: zipfile.ZipFile) -> N
         if path.is_file() and "egg-info" not in str(path):
             assert str(path.relative_to(ROOT / "src")) in names
     assert {"jfto/reporting/static/report.css", "jfto/reporting/static/scene.js"} <= names
+    assert "jfto_msgs_py/ros/fast_dds.xml" in names
     assert "jfto/py.typed" in names
 
 

@@ -43,6 +43,51 @@ def test_discovery_stays_on_this_computer_unless_asked_for(monkeypatch):
     assert os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "SUBNET"
 
 
+PROFILES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
+
+
+@pytest.mark.parametrize(
+    "environment",
+    [
+        {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"},
+        {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "ROS_STATIC_PEERS": "10.0.0.2"},
+        {"FASTDDS_DEFAULT_PROFILES_FILE": "mine.xml"},
+    ],
+)
+def test_nodes_announce_themselves_often_on_this_computer_only(monkeypatch, environment):
+    """Not over a network, and not where the user has settings of his own."""
+    for name in PROFILES:
+        monkeypatch.delenv(name, raising=False)
+    require_ros()
+    assert Path(os.environ.pop(PROFILES[0])).read_text().startswith("<?xml")
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    require_ros()
+    assert PROFILES[0] not in os.environ
+
+
+def test_the_middleware_takes_our_settings(wheels, tmp_path):
+    """A file that it cannot read, it complains of."""
+    code = (
+        "from jfto_msgs_py.ros.installation import require_ros; require_ros()\n"
+        "import rclpy; rclpy.init(args=[]); rclpy.create_node('one').destroy_node()"
+    )
+    broken = tmp_path / "broken.xml"
+    broken.write_text("<profiles>")
+
+    def output(**more: str) -> str:
+        environment = {name: each for name, each in os.environ.items() if name not in PROFILES}
+        environment |= {"PYTHONPATH": SOURCE, **more}
+        done = subprocess.run(
+            [sys.executable, "-c", code],
+            env=environment, capture_output=True, text=True, check=True,
+        )  # fmt: skip
+        return done.stdout + done.stderr
+
+    assert output() == ""
+    assert "XMLPARSER" in output(FASTRTPS_DEFAULT_PROFILES_FILE=str(broken))
+
+
 def test_wheels_without_the_wanted_middleware_say_so(wheels, monkeypatch):
     """Rather than end inside ROS with a status of its own."""
     monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_zenoh_cpp")
