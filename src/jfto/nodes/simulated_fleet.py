@@ -13,12 +13,13 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from builtin_interfaces.msg import Time as TimeMessage
 from geometry_msgs.msg import PoseStamped
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.time import Time
 from rosgraph_msgs.msg import Clock as ClockMessage
-from std_msgs.msg import Float64MultiArray, Header
+from std_msgs.msg import Float64MultiArray, Header, UInt8MultiArray
 
 from jfto.node_options import SimulatedFleetOptions
 from jfto.simulation.air import fleet_air
@@ -32,6 +33,7 @@ from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.air import ARRAY_OF_TOPIC, encode_air
 from jfto_msgs_py.ros.diagnostics import OK, WARN, Status
 from jfto_msgs_py.ros.graph_node import GraphNode
+from jfto_msgs_py.ros.network import decode_adjacency
 from jfto_msgs_py.ros.opening import Opening
 from jfto_msgs_py.ros.stamps import decode_time
 from jfto_msgs_py.scenario import Scenario
@@ -42,6 +44,9 @@ from jfto_world.terrain import Dem
 # Where the stamp of a serialized message is that begins with a header: after the encoding's mark.
 _STAMP = struct.Struct("<iI")
 _STAMP_AT = 4
+# What the fleet waits for after lift-off, and how far ahead the slots of a real one may begin.
+_FIRST_SLOT = "the slots after lift-off"
+_SOON_NS = 600 * 10**9
 
 
 class SimulatedFleetNode(GraphNode[SimulatedFleetOptions]):
@@ -88,6 +93,11 @@ class SimulatedFleetNode(GraphNode[SimulatedFleetOptions]):
         if not self._options.patience_s:
             return
         self.create_subscription(Header, topics.CLOCK_TAKEN, self._on_report, qos.reports())
+        self._lift_off_ns = 0
+        self.create_subscription(TimeMessage, topics.LIFT_OFF, self._on_lift_off, qos.latched())
+        self.create_subscription(
+            UInt8MultiArray, topics.ADJACENCY, self._on_adjacency, qos.latched()
+        )
         for uav in self._scenario.fleet.ids:
             on_pose = partial(self._on_pose, uav)
             self.create_subscription(PoseStamped, topics.pose(uav), on_pose, qos.sensor(), raw=True)
@@ -95,6 +105,22 @@ class SimulatedFleetNode(GraphNode[SimulatedFleetOptions]):
     def _on_report(self, message: Any) -> None:
         if message.frame_id != self.get_name():
             self._pace.node_at(message.frame_id, decode_time(message.stamp, "stamp"))
+
+    def _on_lift_off(self, message: Any) -> None:
+        """Wait for the slots that are counted from here: planner and topology are told anew."""
+        decode = partial(decode_time, field="lift_off")
+        lift_off_ns = self.intake.take(topics.LIFT_OFF, decode, message)
+        if lift_off_ns is not None:
+            self._lift_off_ns = lift_off_ns
+            self._pace.node_at(_FIRST_SLOT, lift_off_ns)
+
+    def _on_adjacency(self, message: Any) -> None:
+        if self._lift_off_ns:
+            adjacency = self.intake.take(topics.ADJACENCY, decode_adjacency, message)
+            # Slots of a lift-off that was only awaited lie an hour ahead.
+            if adjacency and 0 <= adjacency.horizon.t0_ns - self._lift_off_ns < _SOON_NS:
+                self._pace.forget(_FIRST_SLOT)
+                self._lift_off_ns = 0
 
     def _on_pose(self, uav: str, data: bytes) -> None:
         seconds, nanoseconds = _STAMP.unpack_from(data, _STAMP_AT)

@@ -83,7 +83,7 @@ TOPICS = (
         "std_msgs/msg/UInt8MultiArray",
         qos.latched,
         (_TOPOLOGY,),
-        (_POWER,),
+        (_POWER, _FLEET),
         "[slot, uav, uav], 1 for an active link",
     ),
     Topic(
@@ -185,7 +185,7 @@ TOPICS = (
         "builtin_interfaces/msg/Time",
         qos.latched,
         (_BRIDGE,),
-        (_PLANNER,),
+        (_PLANNER, _FLEET),
         "when the flight began: time zero of the plan; once per flight",
     ),
     Topic(
