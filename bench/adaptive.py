@@ -22,6 +22,7 @@ import numpy as np
 
 from jfto.analysis.comparison import compare
 from jfto.planning.network import network_of
+from jfto_msgs_py.air import AirArray
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.plan_file import read_plan
 from jfto_msgs_py.vehicle import VehiclePose
@@ -82,7 +83,7 @@ class Adaptive:
         # A slot begins with the power node's own timer; poses come after it.
         begun = power.step(now_ns)
         topology.take_energy(begun.left_j, now_ns)
-        topology.take_gain(heard.stamp_ns, heard.uav_ids, heard.gain)
+        topology.take_gain(AirArray(heard.stamp_ns, heard.uav_ids, heard.gain), now_ns)
         for uav, place in zip(heard.uav_ids, poses_m.tolist(), strict=True):
             pose = VehiclePose(now_ns, tuple(place), 0.0)
             topology.take_pose(uav, pose, now_ns)

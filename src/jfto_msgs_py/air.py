@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,3 +49,11 @@ class AirReport:
     def throughput_bps(self) -> float:
         """Network throughput: every linked pair counts with the mean of its two directions."""
         return float(self.rate_bps.sum() / 2)
+
+
+class AirArray(NamedTuple):
+    """One array of a report: `values` (A,) or (A, A) over `uav_ids`, measured at `stamp_ns`."""
+
+    stamp_ns: int
+    uav_ids: tuple[str, ...]
+    values: Array

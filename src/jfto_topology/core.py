@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from jfto_msgs_py.air import AirArray
 from jfto_msgs_py.errors import InputError, MessageError
 from jfto_msgs_py.records.event import WARN, Event
 from jfto_msgs_py.scenario import Scenario
@@ -126,15 +127,15 @@ class TopologyCore:
         """Energy left to radios, J."""
         self._left_j.update(left_j)
 
-    def take_gain(self, stamp_ns: int, uav_ids: tuple[str, ...], gain: Array) -> None:
-        """What radios measured: gains (A, A) between `uav_ids`, 0 where nothing was received.
+    def take_gain(self, gain: AirArray, _now_ns: int) -> None:
+        """Gains (A, A) that radios measured, 0 where nothing was received.
 
         They are compared with the channel, where the UAVs are believed to have been.
         """
-        if not set(uav_ids) <= set(self.prediction.uav_ids):
+        if not set(gain.uav_ids) <= set(self.prediction.uav_ids):
             return
-        at = self.prediction.positions(uav_ids, np.array([stamp_ns]))[0]
-        self._losses.take(stamp_ns, gain, at)
+        at = self.prediction.positions(gain.uav_ids, np.array([gain.stamp_ns]))[0]
+        self._losses.take(gain.stamp_ns, gain.values, at)
         margin_db = self.settings.options.margin_db + SPREADS * self._losses.spread_db
         self._links = replace(self._links, loss_db=self._losses.loss_db, margin_db=margin_db)
         if self._horizon is not None:

@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 import pytest
 
+from jfto_msgs_py.air import AirArray
 from jfto_msgs_py.core import CoreRun
 from jfto_msgs_py.errors import MessageError
 from jfto_msgs_py.radio import Radio
@@ -180,7 +181,8 @@ def test_loss_that_radios_measure_raises_the_least_powers(extra_db, ratio) -> No
     for report in range(100):
         stamp_ns = START_NS + round((0.5 + 0.01 * report) * 1e9)
         measured = air.step(0.01, places, stamp_ns=stamp_ns)
-        flight.core.take_gain(measured.stamp_ns, measured.uav_ids, measured.gain)
+        gain = AirArray(measured.stamp_ns, measured.uav_ids, measured.gain)
+        flight.run.hand_over(flight.core.take_gain, gain)
     flight.at(2.1)
     flight.measure(2.05, *IDS)
     assert len(flight.solved) == 2

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from jfto_msgs_py.air import AirReport
+from jfto_msgs_py.air import AirArray, AirReport
 from jfto_msgs_py.errors import MessageError
 from jfto_msgs_py.ros import labels, multi_array, topics
 
@@ -32,7 +32,7 @@ def encode_air(report: AirReport) -> dict[str, Any]:
     return messages
 
 
-def decode_air_array(message: Any, rank: int) -> tuple[int, tuple[str, ...], np.ndarray]:
+def decode_air_array(message: Any, rank: int) -> AirArray:
     """Stamp (ns since the epoch), UAVs and values of one of the air's messages.
 
     `rank` is 1 or 2. Raises MessageError naming the field at fault.
@@ -44,7 +44,7 @@ def decode_air_array(message: Any, rank: int) -> tuple[int, tuple[str, ...], np.
     array = multi_array.values(message, shape, np.float64)
     if not (np.isfinite(array).all() and (array >= 0).all()):
         raise MessageError("data", "holds values that are negative or not finite")
-    return stamp_ns, uav_ids, array
+    return AirArray(stamp_ns, uav_ids, array)
 
 
 def decode_air(messages: dict[str, Any]) -> AirReport:

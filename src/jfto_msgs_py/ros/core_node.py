@@ -4,11 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import partial
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
+
+from geometry_msgs.msg import PoseStamped
+from trajectory_msgs.msg import MultiDOFJointTrajectory
 
 from jfto_msgs_py.core import Core, Made
+from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.graph_node import GraphNode
 from jfto_msgs_py.ros.intake import Input
+from jfto_msgs_py.ros.vehicle import decode_pose, decode_trajectory
+from jfto_msgs_py.vehicle import TimedTrajectory, VehiclePose
 
 Options = TypeVar("Options")
 _LATER_S = 3600.0
@@ -67,3 +73,27 @@ class CoreNode(GraphNode[Options], Generic[Options, Made]):
         taken = self.intake.hand_over(each, message, now_ns)
         if taken and self.is_active and self._core.due(now_ns):
             self.step()
+
+
+class FollowsFleet(Protocol):
+    """A core that follows a fleet by its plans and poses."""
+
+    def take_trajectory(self, uav_id: str, trajectory: TimedTrajectory, now_ns: int, /) -> None:
+        """Take a UAV's plan over."""
+
+    def take_pose(self, uav_id: str, pose: VehiclePose, now_ns: int, /) -> None:
+        """Take a measured pose over."""
+
+
+def fleet_inputs(core: FollowsFleet, uav_ids: Iterable[str]) -> list[Input]:
+    """Trajectories and poses of a fleet, as inputs of a core."""
+    latched, sensor = qos.latched(), qos.sensor()
+    inputs = []
+    for uav in uav_ids:
+        plan, pose = topics.trajectory(uav), topics.pose(uav)
+        take_plan, take_pose = partial(core.take_trajectory, uav), partial(core.take_pose, uav)
+        inputs += [
+            Input(MultiDOFJointTrajectory, plan, latched, decode_trajectory, take_plan),
+            Input(PoseStamped, pose, sensor, decode_pose, take_pose),
+        ]
+    return inputs

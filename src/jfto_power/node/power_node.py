@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import partial
 from pathlib import Path
 from typing import Any
 
-from geometry_msgs.msg import PoseStamped
 from std_msgs.msg import Float64, Float64MultiArray, UInt8MultiArray
-from trajectory_msgs.msg import MultiDOFJointTrajectory
 
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.ros import qos, topics
-from jfto_msgs_py.ros.core_node import CoreNode
+from jfto_msgs_py.ros.core_node import CoreNode, fleet_inputs
 from jfto_msgs_py.ros.diagnostics import Status
 from jfto_msgs_py.ros.energy import encode_energy_left
 from jfto_msgs_py.ros.intake import Input
@@ -22,7 +19,6 @@ from jfto_msgs_py.ros.network import (
     decode_power_intervals,
     encode_power_schedule,
 )
-from jfto_msgs_py.ros.vehicle import decode_pose, decode_trajectory
 from jfto_msgs_py.scenario import Scenario
 from jfto_msgs_py.units import w_to_dbm
 from jfto_power.core import PowerCore, PowerOutputs, energy_budgets, power_core
@@ -92,30 +88,11 @@ class PowerNode(CoreNode[PowerOptions, PowerOutputs]):
 
 def power_inputs(core: PowerCore, fleet_ids: tuple[str, ...]) -> list[Input]:
     """What the core is fed with: trajectories and poses of the fleet, and its topology."""
-    latched, sensor = qos.latched(), qos.sensor()
-    inputs = []
-    for uav in fleet_ids:
-        trajectory, pose = topics.trajectory(uav), topics.pose(uav)
-        inputs += [
-            Input(
-                MultiDOFJointTrajectory,
-                trajectory,
-                latched,
-                decode_trajectory,
-                partial(core.take_trajectory, uav),
-            ),
-            Input(PoseStamped, pose, sensor, decode_pose, partial(core.take_pose, uav)),
-        ]
+    links, powers, latched = topics.ADJACENCY, topics.POWER_INTERVAL, qos.latched()
     return [
-        *inputs,
-        Input(UInt8MultiArray, topics.ADJACENCY, latched, decode_adjacency, core.take_adjacency),
-        Input(
-            Float64MultiArray,
-            topics.POWER_INTERVAL,
-            latched,
-            decode_power_intervals,
-            core.take_intervals,
-        ),
+        *fleet_inputs(core, fleet_ids),
+        Input(UInt8MultiArray, links, latched, decode_adjacency, core.take_adjacency),
+        Input(Float64MultiArray, powers, latched, decode_power_intervals, core.take_intervals),
     ]
 
 

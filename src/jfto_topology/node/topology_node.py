@@ -6,19 +6,16 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from geometry_msgs.msg import PoseStamped
 from std_msgs.msg import Float64MultiArray, UInt8MultiArray
-from trajectory_msgs.msg import MultiDOFJointTrajectory
 from visualization_msgs.msg import MarkerArray
 
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.air import decode_air_array
-from jfto_msgs_py.ros.core_node import CoreNode
+from jfto_msgs_py.ros.core_node import CoreNode, fleet_inputs
 from jfto_msgs_py.ros.diagnostics import Status
 from jfto_msgs_py.ros.energy import decode_energy_left
 from jfto_msgs_py.ros.intake import Input
 from jfto_msgs_py.ros.network import encode_adjacency, encode_power_intervals
-from jfto_msgs_py.ros.vehicle import decode_pose, decode_trajectory
 from jfto_msgs_py.scenario import Scenario
 from jfto_topology.core import TopologyCore, TopologyOutputs, topology_core
 from jfto_topology.horizon import HorizonTopology
@@ -99,31 +96,12 @@ class TopologyNode(CoreNode[TopologyOptions, TopologyOutputs]):
 
 def topology_inputs(core: TopologyCore) -> list[Input]:
     """What the core is fed with: trajectories and poses of the fleet, energy left, measured air."""
-    latched, sensor = qos.latched(), qos.sensor()
-    inputs = [
-        Input(Float64MultiArray, topics.ENERGY_LEFT, latched, decode_energy_left, core.take_energy)
-    ]
+    kind, left, gain = Float64MultiArray, topics.ENERGY_LEFT, topics.AIR_GAIN
+    inputs = fleet_inputs(core, core.uav_ids)
+    inputs.append(Input(kind, left, qos.latched(), decode_energy_left, core.take_energy))
     if core.settings.options.learn_loss:
-        inputs.append(
-            Input(
-                Float64MultiArray,
-                topics.AIR_GAIN,
-                qos.default(),
-                partial(decode_air_array, rank=2),
-                lambda measured, _now_ns: core.take_gain(*measured),
-            )
-        )
-    for uav in core.uav_ids:
-        inputs += [
-            Input(
-                MultiDOFJointTrajectory,
-                topics.trajectory(uav),
-                latched,
-                decode_trajectory,
-                partial(core.take_trajectory, uav),
-            ),
-            Input(PoseStamped, topics.pose(uav), sensor, decode_pose, partial(core.take_pose, uav)),
-        ]
+        decode = partial(decode_air_array, rank=2)
+        inputs.append(Input(kind, gain, qos.default(), decode, core.take_gain))
     return inputs
 
 
