@@ -47,27 +47,11 @@ wanted_stamp() {
         sha256sum | cut -d ' ' -f 1
 }
 
-# The numeric kernels are compiled on first use, for a minute in all, and kept beside the source.
-# Done here once, no program that runs against the clock is held up by it.
+# The numeric kernels are compiled on first use and kept beside the source. Done here once, no
+# program that runs against the clock is held up by it; the doctor also loads every library.
 compile_kernels() {
-    local jfto="$venv/bin/jfto" scene=test/data/scenario/tiny.yaml out=$venv/first-use other
     "$venv/bin/python" -m compileall -q src
-    "$jfto" run "$scene" --until plan --out "$out" || return
-    # What the first has compiled both of these use, what they compile is their own.
-    "$jfto" plan "$scene" --set trajectory.mode=guided --out "$out/guided.json" &
-    other=$!
-    "$jfto" plan "$scene" --set trajectory.mode=straight --method rl+search \
-        --out "$out/straight.json" && wait "$other" &&
-        "$venv/bin/python" - <<'END'
-import numpy as np
-from jfto_msgs_py.vehicle import TimedTrajectory
-from jfto_sim.motion.waypoint_nav import warm_up
-from jfto_world.motion.route_progress import RouteProgress
-
-warm_up()
-still = np.zeros((2, 3))
-RouteProgress(TimedTrajectory(0, np.array([0, 10**9]), still, still, still))
-END
+    "$venv/bin/jfto" doctor --compile
 }
 
 set_up() {

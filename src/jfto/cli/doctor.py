@@ -6,6 +6,7 @@ import importlib
 import os
 import platform
 import sys
+import time
 from dataclasses import dataclass
 from importlib import metadata
 
@@ -57,10 +58,18 @@ class Finding:
 
 
 @click.command("doctor")
+@click.option(
+    "--compile",
+    "compiling",
+    is_flag=True,
+    help="Compile all numeric kernels now: half a minute, once, that no later command waits for.",
+)
 @json_option
-def command(as_json: bool) -> int:
+def command(compiling: bool, as_json: bool) -> int:
     """Say what is installed, what is missing, and what to do about it."""
     findings = examine()
+    if compiling:
+        findings.append(_kernels(say=not as_json))
     if as_json:
         print_json({"findings": [vars(finding) for finding in findings]})
     else:
@@ -115,6 +124,19 @@ def _terrain() -> Finding:
 
 def _cores() -> Finding:
     return Finding("processor", True, False, f"{os.cpu_count()} cores, {platform.machine()}")
+
+
+def _kernels(say: bool) -> Finding:
+    from jfto.compile_kernels import compile_kernels
+
+    def tell(part: str) -> None:
+        if say:
+            click.echo(f"  compiling {part} …")
+
+    begin = time.monotonic()
+    count = compile_kernels(tell)
+    state = f"{count} compiled or loaded in {time.monotonic() - begin:.0f} s"
+    return Finding("kernels", True, False, state)
 
 
 def _ros() -> Finding:

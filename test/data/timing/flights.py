@@ -5,7 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from jfto_world.motion.arducopter import WpNav, fly_route, fly_splines
+from jfto_world.motion.arducopter import WpNav, fly_route
+from support.spline_flight import fly_splines
 
 DATA = Path(__file__).parent
 

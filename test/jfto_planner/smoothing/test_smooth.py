@@ -17,6 +17,13 @@ from jfto_planner.smoothing import (
     straight_line_s,
 )
 from jfto_planner.smoothing.kernel.segment import least_duration
+from jfto_world.compiled import kernel
+
+
+@kernel
+def duration_of(start, end, lim, room):
+    return least_duration(start, end, 1e3, lim, 256, room)
+
 
 LIMITS = CurveLimits(speed_mps=10.0, climb_mps=4.0, descent_mps=3.0)
 
@@ -50,7 +57,7 @@ def test_rest_to_rest_equals_the_closed_form(length, speed, accel, jerk):
     start, end = np.zeros((3, 3)), np.zeros((3, 3))
     end[0, 0] = length
     expected = rest_to_rest_s(length, speed, accel, jerk)
-    found = least_duration(start, end, 1e3, limits.row(), 256, np.empty((6, 3)))
+    found = duration_of(start, end, limits.row(), np.empty((6, 3)))
     assert found == pytest.approx(expected, rel=1e-3)
 
 

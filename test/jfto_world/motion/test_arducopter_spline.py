@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from jfto_msgs_py.errors import InfeasibleError, InputError
-from jfto_world.motion.arducopter import WpNav, fly_route, fly_splines
+from jfto_world.motion.arducopter import WpNav, fly_route
+from support.spline_flight import fly_splines
 
 ROUTE = np.array([[0.0, 0, 50], [100, 0, 50], [150, 80, 60], [60, 120, 40]])
 

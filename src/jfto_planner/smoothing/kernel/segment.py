@@ -152,7 +152,7 @@ def _fits(start: Array, end: Array, duration_s: float, lim: Array, samples: int,
     return sampled_excess(p, duration_s, lim, samples, 1.0) <= 1.0
 
 
-@kernel
+@inner
 def least_duration(
     start: Array, end: Array, top_s: float, lim: Array, samples: int, p: Array
 ) -> float:

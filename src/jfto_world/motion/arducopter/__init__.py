@@ -5,7 +5,6 @@
 """
 
 from jfto_world.motion.arducopter.closed_loop import Flight, fly_route
-from jfto_world.motion.arducopter.spline import fly_splines
 from jfto_world.motion.arducopter.target import TargetTrack, plan_target
 from jfto_world.motion.arducopter.time_model import ArduCopter
 from jfto_world.motion.arducopter.wpnav import Airframe, WpNav
@@ -17,6 +16,5 @@ __all__ = [
     "TargetTrack",
     "WpNav",
     "fly_route",
-    "fly_splines",
     "plan_target",
 ]

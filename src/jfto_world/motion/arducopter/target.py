@@ -75,8 +75,8 @@ def plan_target(
 def route_arrays(
     points_m: Array, stop: Flags | None, hold_s: Array | None
 ) -> tuple[Array, Flags, Array]:
-    """Checked, contiguous (M, 3) points, (M,) stops and (M,) holds of a route."""
-    points = np.ascontiguousarray(points_m, dtype=np.float64)
+    """Checked copies of the (M, 3) points, (M,) stops and (M,) holds of a route."""
+    points = np.array(points_m, dtype=np.float64, order="C")
     if points.ndim != 2 or points.shape[1] != 3 or len(points) == 0:
         raise InputError(f"points_m has shape {points.shape}, must be (M, 3) with M >= 1.")
     count = len(points)
