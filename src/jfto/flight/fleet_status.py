@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -63,6 +64,8 @@ class GraphStatus:
     def __init__(self, uavs: Sequence[str]) -> None:
         self._uavs = tuple(uavs)
         self._nodes: dict[str, dict[str, Status]] = {}
+        # The vehicles' time when the bridge that is there was heard of first.
+        self._bridge_from_s: float | None = None
 
     def take(self, diagnostics: Diagnostics) -> None:
         """A node has said how it is."""
@@ -83,18 +86,25 @@ class GraphStatus:
         if planner is not None and planner.level == ERROR:
             note = note or f"the planner has no plan: {planner.text}"
         planned = planner is not None and planner.level == OK
-        uavs = {uav: _vehicle(bridge.get(uav)) for uav in self._uavs} if link is not None else {}
+        if link is None:
+            self._bridge_from_s = None
+            return FleetStatus(now_s, fleet_s, note, planned, {})
+        if self._bridge_from_s is None:
+            self._bridge_from_s = fleet_s
+        # A bridge that was started in mid-flight has heard nobody yet, which is no silence.
+        listened_s = fleet_s - self._bridge_from_s
+        uavs = {uav: _vehicle(bridge.get(uav), listened_s) for uav in self._uavs}
         return FleetStatus(now_s, fleet_s, note, planned, uavs)
 
 
-def _vehicle(status: Status | None) -> VehicleStatus:
+def _vehicle(status: Status | None, listened_s: float) -> VehicleStatus:
     if status is None or "armed" not in status.facts:
-        return VehicleStatus()
+        return VehicleStatus(silent_s=listened_s)
     facts = status.facts
     silent_s = _number(facts.get("silent_s", ""))
     return VehicleStatus(
         linked=facts.get("link") == "up",
-        silent_s=float("inf") if silent_s is None else silent_s,
+        silent_s=listened_s if silent_s is None or math.isinf(silent_s) else silent_s,
         armed=facts["armed"] == "true",
         mode=facts.get("mode", ""),
         reached=int(_number(facts.get("waypoints_reached", "")) or 0),

@@ -17,6 +17,7 @@ from builtin_interfaces.msg import Time as TimeMessage
 from geometry_msgs.msg import PoseStamped
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
+from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.time import Time
 from rosgraph_msgs.msg import Clock as ClockMessage
 from std_msgs.msg import Float64MultiArray, Header, UInt8MultiArray
@@ -93,14 +94,20 @@ class SimulatedFleetNode(GraphNode[SimulatedFleetOptions]):
         if not self._options.patience_s:
             return
         self.create_subscription(Header, topics.CLOCK_TAKEN, self._on_report, qos.reports())
-        self._lift_off_ns = 0
+        self._lift_off_ns = self._told_lift_off_ns = 0
         self.create_subscription(TimeMessage, topics.LIFT_OFF, self._on_lift_off, qos.latched())
         self.create_subscription(
             UInt8MultiArray, topics.ADJACENCY, self._on_adjacency, qos.latched()
         )
         for uav in self._scenario.fleet.ids:
-            on_pose = partial(self._on_pose, uav)
-            self.create_subscription(PoseStamped, topics.pose(uav), on_pose, qos.sensor(), raw=True)
+            self.create_subscription(
+                PoseStamped,
+                topics.pose(uav),
+                partial(self._on_pose, uav),
+                qos.sensor(),
+                event_callbacks=SubscriptionEventCallbacks(matched=partial(self._on_source, uav)),
+                raw=True,
+            )
 
     def _on_report(self, message: Any) -> None:
         if message.frame_id != self.get_name():
@@ -110,8 +117,9 @@ class SimulatedFleetNode(GraphNode[SimulatedFleetOptions]):
         """Wait for the slots that are counted from here: planner and topology are told anew."""
         decode = partial(decode_time, field="lift_off")
         lift_off_ns = self.intake.take(topics.LIFT_OFF, decode, message)
-        if lift_off_ns is not None:
-            self._lift_off_ns = lift_off_ns
+        # A bridge that is started again tells the same once more.
+        if lift_off_ns is not None and lift_off_ns != self._told_lift_off_ns:
+            self._lift_off_ns = self._told_lift_off_ns = lift_off_ns
             self._pace.node_at(_FIRST_SLOT, lift_off_ns)
 
     def _on_adjacency(self, message: Any) -> None:
@@ -125,6 +133,11 @@ class SimulatedFleetNode(GraphNode[SimulatedFleetOptions]):
     def _on_pose(self, uav: str, data: bytes) -> None:
         seconds, nanoseconds = _STAMP.unpack_from(data, _STAMP_AT)
         self._pace.pose_at(uav, seconds * 10**9 + nanoseconds)
+
+    def _on_source(self, uav: str, change: Any) -> None:
+        """A bridge that comes anew knows nothing of what the one before was sent."""
+        if change.current_count_change > 0:
+            self._pace.pose_source(uav)
 
     def activated(self) -> None:
         """Power the vehicles up as soon as there is a plan."""

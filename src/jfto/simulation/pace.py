@@ -68,6 +68,8 @@ class FleetPace:
         self._settings = settings or PaceSettings()
         self._nodes: dict[str, _Follower] = {}
         self._poses: dict[str, _Follower] = {}
+        # UAVs whose poses come from somebody new, and since when in this computer's time.
+        self._linking: dict[str, float | None] = {}
         # Vehicles' and computer's time when the flight began that is on.
         self._begun: tuple[int, float] | None = None
         self.given_up: frozenset[str] = frozenset()
@@ -84,10 +86,19 @@ class FleetPace:
     def pose_at(self, uav: str, at_ns: int) -> None:
         """The newest pose of a UAV was measured then, ns since the epoch."""
         self._poses.setdefault(uav, _Follower(at_ns)).come_to(at_ns)
+        self._linking.pop(uav, None)
 
     def forget(self, name: str) -> None:
         """A node is gone: nobody waits for it."""
         self._nodes.pop(name, None)
+
+    def pose_source(self, uav: str) -> None:
+        """Who publishes this UAV's poses has come anew: positions sent to its predecessor are lost.
+
+        It takes its time to link: until its first pose the vehicles keep to real time.
+        """
+        if self._poses.pop(uav, None) is not None:
+            self._linking[uav] = None
 
     def grant(
         self, now_ns: int, sent_ns: Mapping[str, int], wall_s: float, passed_s: float
@@ -104,7 +115,7 @@ class FleetPace:
             for uav, one in tuple(self._poses.items())
         ]
         patience_s = self._settings.patience_s
-        given_up, least_s, speed = set(), math.inf, math.inf
+        given_up, least_s, speed = set(), math.inf, self._linking_speed(wall_s)
         for name, one, late_ns in behind_ns:
             room_s = self._settings.ahead_s - late_ns / NS
             if room_s > 0:
@@ -120,6 +131,14 @@ class FleetPace:
                 speed = min(speed, self._settings.creep if creeps else 0.0)
         self.given_up = frozenset(given_up)
         return least_s if math.isinf(speed) else min(least_s, speed * passed_s)
+
+    def _linking_speed(self, wall_s: float) -> float:
+        """Real time while poses of somebody new are due."""
+        for uav, since_s in tuple(self._linking.items()):
+            self._linking[uav] = wall_s if since_s is None else since_s
+            if wall_s - (since_s or wall_s) > self._settings.patience_s:
+                self._linking.pop(uav, None)
+        return 1.0 if self._linking else math.inf
 
     def look(self, now_ns: int, wall_s: float, *, flying: bool) -> PacedFlight | None:
         """Take note of whether somebody flies; returns the flight that has just ended, if any."""

@@ -29,9 +29,23 @@ def test_a_vehicle_is_seen_as_its_bridge_reports_it() -> None:
     fleet = graph.fleet(5.0, 50.0)
     assert fleet.uavs == {
         "uav1": VehicleStatus(True, 0.4, True, "AUTO", 7, None),
-        "uav2": VehicleStatus(),
+        "uav2": VehicleStatus(silent_s=0.0),
     }
     assert (fleet.note, fleet.planned, fleet.all_linked, fleet.all_down) == ("", True, False, False)
+
+
+@pytest.mark.parametrize("facts", [{}, FACTS | {"link": "lost", "silent_s": "inf"}])
+def test_a_bridge_that_came_back_has_to_listen_before_anybody_is_silent(facts) -> None:
+    """What it has not heard yet may well fly: it is silent for as long as the bridge is there."""
+    graph = GraphStatus(("uav1",))
+    said = _bridge(Status("", OK, "linked"), Status("uav1", STALE, "never heard", facts))
+    graph.take(said)
+    assert graph.fleet(0.0, 100.0).uavs["uav1"].silent_s == 0.0
+    assert graph.fleet(0.0, 107.0).uavs["uav1"].silent_s == 7.0
+    graph.forget("mavlink_bridge")
+    assert graph.fleet(0.0, 300.0).uavs == {}
+    graph.take(said)
+    assert graph.fleet(0.0, 305.0).uavs["uav1"].silent_s == 0.0
 
 
 def test_without_a_bridge_nobody_is_seen() -> None:

@@ -76,6 +76,22 @@ def test_who_is_gone_for_good_is_no_reason_to_be_slow() -> None:
     assert pace.given_up == frozenset()
 
 
+def test_positions_sent_to_a_bridge_that_died_are_waited_for_by_nobody() -> None:
+    """They went with it. Real time is kept while the new one links, as long as patience lasts;
+    from its first pose on it is held to what is sent to it.
+    """
+    pace = FleetPace(SETTINGS)
+    pace.pose_at("uav1", 100 * S)
+    assert _grant(pace, 101.0, 0.0, uav1=101.0) == 0.0
+    pace.pose_source("uav1")
+    assert _grant(pace, 101.0, 3.0, passed_s=0.02, uav1=101.0) == 0.02
+    pace.pose_at("uav1", 105 * S)
+    assert _grant(pace, 105.3, 3.5, uav1=105.25) == pytest.approx(0.25)
+    pace.pose_source("uav1")
+    assert _grant(pace, 105.3, 4.0, passed_s=0.02, uav1=105.25) == 0.02
+    assert _grant(pace, 115.0, 14.1, passed_s=0.02, uav1=105.25) == math.inf
+
+
 def test_a_flight_knows_how_fast_it_was_and_for_whom_it_waited() -> None:
     """From the first that armed to the last that disarmed; what was before does not count."""
     pace = FleetPace(SETTINGS)
