@@ -28,20 +28,25 @@ HOSTS = ("planner", "topology", "power")
 DISCOVERY = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 # What the tests' own ROS set, and a process on another host would not inherit.
 OF_OURS = (DISCOVERY, "FASTRTPS_DEFAULT_PROFILES_FILE")
-# Runs on the third host too, as somebody who joins there and waits for the graph's last word.
+# Runs on the third host too, as somebody who joins there and waits until the graph has all UAVs: a
+# pose that the radio lost leaves its UAV out of the first slots.
 LISTENER = """
 from jfto_msgs_py.ros.installation import require_ros
 require_ros()
+import time
 import rclpy
-from rclpy.wait_for_message import wait_for_message
 from std_msgs.msg import Float64MultiArray
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.network import decode_power_schedule
 rclpy.init(args=[])
-node = rclpy.create_node("listener")
-found, message = wait_for_message(Float64MultiArray, node, topics.POWER_SCHEDULE,
-                                  qos_profile=qos.latched(), time_to_wait=LIMIT)
-print(",".join(decode_power_schedule(message).uav_ids) if found else "nothing")
+node, uavs = rclpy.create_node("listener"), []
+def hear(message):
+    uavs[:] = decode_power_schedule(message).uav_ids
+node.create_subscription(Float64MultiArray, topics.POWER_SCHEDULE, hear, qos.latched())
+end_s = time.monotonic() + LIMIT
+while len(uavs) < 3 and time.monotonic() < end_s:
+    rclpy.spin_once(node, timeout_sec=0.2)
+print(",".join(uavs) or "nothing")
 node.destroy_node()
 rclpy.shutdown()
 """
