@@ -29,6 +29,7 @@ class SharedMemory:
         self._held: defaultdict[int, set[str]] = defaultdict(set)
         # Process and file number of each lock that was seen, so that names are looked up once.
         self._seen: set[tuple[int, int]] = set()
+        self._untidy = False
 
     def look(self, pids: Collection[int]) -> None:
         """Take note of what these processes hold now; cheap enough for twice a second."""
@@ -41,9 +42,22 @@ class SharedMemory:
             if number in names:
                 self._held[pid].add(names[number])
 
-    def clear(self, pid: int) -> list[str]:
-        """Remove what a dead process has left and nobody uses; returns the lock files' names."""
-        return sorted(name for name in self._held.pop(pid, set()) if _remove(name))
+    def clear(self, pid: int, *, killed: bool) -> list[str]:
+        """Remove what a dead process has left, if it did not tidy up; returns lock files' names."""
+        names = self._held.get(pid, set())
+        # Where it did, its segment is gone; a port may stay until the last who sends there ends.
+        if not killed and not any("port" not in name and _is_there(name) for name in names):
+            return []
+        self._untidy = True
+        self._held.pop(pid, None)
+        return sorted(name for name in names if _remove(name))
+
+    def clear_ports(self) -> None:
+        """Remove ports that tidy ones left because a killed one sent there; all must be dead."""
+        if self._untidy:
+            for names in self._held.values():
+                for name in names:
+                    _remove(name)
 
 
 def _locks(pids: Collection[int]) -> set[tuple[int, int]]:
@@ -65,13 +79,17 @@ def _lock_files() -> dict[int, str]:
         return {each.inode(): each.name for each in entries if _LOCK_FILE.match(each.name)}
 
 
+def _is_there(name: str) -> bool:
+    return (FOLDER / name).exists()
+
+
 def _remove(lock_name: str) -> bool:
     """Remove a lock file and what it stands for, unless somebody holds it by now."""
     match = _LOCK_FILE.match(lock_name)
     assert match is not None
     # The lock goes last: while it is held nobody takes the name.
     names = [match[1], f"sem.{match[1]}_mutex", lock_name]
-    left = [FOLDER / name for name in names if (FOLDER / name).exists()]
+    left = [FOLDER / name for name in names if _is_there(name)]
     try:
         with (FOLDER / lock_name).open("rb") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)

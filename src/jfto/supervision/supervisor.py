@@ -83,9 +83,6 @@ class Supervisor:
         self._directory = directory
         self._tell, self._died, self._essential = tell, died, essential
         self._shared_memory = SharedMemory()
-        # Processes that have ended, and whether one of them was killed.
-        self._ended: list[int] = []
-        self._killed = False
         self._events: queue.SimpleQueue[tuple[_Slot, Process, int] | None] = queue.SimpleQueue()
 
     def run(self) -> Outcome:
@@ -155,7 +152,7 @@ class Supervisor:
     def _mourn(self, slot: _Slot, process: Process, status: int) -> bool:
         """Arrange for a dead process's restart; False where nothing goes on without it."""
         slot.process = None
-        self._bury(process, status)
+        self._shared_memory.clear(process.pid, killed=status < 0)
         how = ending(status)
         # Status 2 says that its parameters are wrong: they will be wrong again.
         wait_s = (
@@ -180,23 +177,13 @@ class Supervisor:
             if process is None:
                 continue
             status = process.stop()
-            self._bury(process, status)
+            self._shared_memory.clear(process.pid, killed=status < 0)
             self._tell(slot.node.name, "stopped" if status == 0 else ending(status))
             if status != 0:
                 unclean[slot.node.name] = ending(status)
-        if self._killed:
-            # What a killed one had open too, those who ended cleanly could not remove.
-            for pid in self._ended:
-                self._shared_memory.clear(pid)
+        self._shared_memory.clear_ports()
         self._write_status()
         return unclean
-
-    def _bury(self, process: Process, status: int) -> None:
-        """Take away what a killed process left in shared memory."""
-        self._ended.append(process.pid)
-        if status < 0:
-            self._killed = True
-            self._shared_memory.clear(process.pid)
 
     def _write_status(self) -> None:
         state = {

@@ -71,7 +71,7 @@ def run_node(make: Callable[[], Any], arguments: Sequence[str] | None = None) ->
     """
     ending = Ending()
     rclpy.init(args=None if arguments is None else list(arguments))
-    node = None
+    node, executor = None, None
     status = 0
     try:
         node = make()
@@ -100,6 +100,10 @@ def run_node(make: Callable[[], Any], arguments: Sequence[str] | None = None) ->
             ending.end_with(status)
             node.destroy_node()
         rclpy.try_shutdown()
+        # The participant goes with the last that refers to it, and takes its shared memory along.
+        node = executor = None
+        gc.unfreeze()
+        gc.collect()
     return status
 
 

@@ -113,12 +113,18 @@ def test_only_what_ones_own_dead_have_left_is_removed() -> None:
         of_others.look([pids["foreign"], pids["foreign killed"]])
         nodes["foreign killed"].kill()
         nodes["killed"].kill()
-        assert set(memory.clear(pids["killed"])) <= {path.name for path in files["killed"]}
+        assert set(memory.clear(pids["killed"], killed=True)) <= {
+            path.name for path in files["killed"]
+        }
         assert not any(_is_left(path) for path in files["killed"])
         assert all(path.exists() for name in ("mine", "foreign") for path in files[name])
         # Nobody can take from those who live, and what others have left is theirs to remove.
-        assert memory.clear(pids["mine"]) == of_others.clear(pids["foreign"]) == []
-        assert of_others.clear(pids["foreign killed"])
+        assert (
+            memory.clear(pids["mine"], killed=True)
+            == of_others.clear(pids["foreign"], killed=True)
+            == []
+        )
+        assert of_others.clear(pids["foreign killed"], killed=True)
         nodes["late"] = _Node(OWN, 5)
         nodes["late foreign"] = _Node(OTHER, 6)
         heard = {name: nodes[name].heard for name in ("mine", "foreign")}
@@ -129,7 +135,7 @@ def test_only_what_ones_own_dead_have_left_is_removed() -> None:
         for node in nodes.values():
             node.kill()
         for node in nodes.values():
-            memory.clear(node.process.pid)
+            memory.clear(node.process.pid, killed=True)
 
 
 def test_a_graph_whose_node_was_killed_leaves_nothing(tmp_path) -> None:

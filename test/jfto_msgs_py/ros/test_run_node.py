@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -67,6 +69,22 @@ def test_it_ends_cleanly(started, number, later):
     assert process.returncode == 0, errors
     assert output.count("released") == 1
     assert not errors
+
+
+@pytest.mark.skipif(not Path("/proc/self/fd").exists(), reason="no /proc")
+@pytest.mark.parametrize("later", [False, True])
+def test_it_leaves_nothing_in_shared_memory(started, later):
+    """The participant ends before the process does, and removes its segment and its ports."""
+    process = started("pass", later=later)
+    links = {Path(link).resolve() for link in Path(f"/proc/{process.pid}/fd").iterdir()}
+    segments = [
+        link for link in links if re.fullmatch(r"/dev/shm/fast(rtps|dds)_[0-9a-f]+_el", str(link))
+    ]
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=60)
+    assert len(segments) == 1
+    assert not segments[0].exists()
+    assert not segments[0].with_name(segments[0].name[:-3]).exists()
 
 
 def test_it_ends_in_a_computation_that_does_not(started):
