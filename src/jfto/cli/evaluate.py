@@ -56,7 +56,7 @@ def command(
     unclean = [one for one in done if not one.plan.clean]
     for one in unclean:
         if not as_json:
-            print_infeasible(one.plan, "not written; use jfto plan")
+            print_infeasible(one.plan, "not written; use jfto plan", one.cures)
     return EXIT_INFEASIBLE if unclean else 0
 
 

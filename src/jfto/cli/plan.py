@@ -35,6 +35,7 @@ def command(
     from jfto.cli.results import plan_facts, print_infeasible
     from jfto.console.stages import show_stages
     from jfto.pipeline.run import save_plan
+    from jfto.planning.cures import would_help
     from jfto.planning.routes import plan_routes
     from jfto.planning.survey import survey
     from jfto_msgs_py.plan_file import read_plan
@@ -43,13 +44,14 @@ def command(
     with show_stages(quiet=as_json) as progress:
         found = survey(loaded, progress)
         planned = plan_routes(loaded.scenario, found, progress, warm_start=earlier)
+        cures = would_help(planned, found.dem, progress)
     path = save_plan(planned.plan, out or Path("plan.json"))
     if as_json:
         learned = {"learned": planned.learned} if planned.learned else {}
-        print_json(plan_facts(planned.plan, str(path)) | learned)
+        print_json(plan_facts(planned.plan, str(path), cures) | learned)
     if not planned.plan.clean:
         if not as_json:
-            print_infeasible(planned.plan, str(path))
+            print_infeasible(planned.plan, str(path), cures)
         return EXIT_INTERRUPTED if planned.interrupted else EXIT_INFEASIBLE
     if planned.interrupted:
         click.echo(f"Interrupted. The best plan so far is kept and verified: {path}", err=True)

@@ -17,7 +17,6 @@ from jfto.cli.options import print_json
 from jfto.console.progress import Progress
 from jfto.pipeline.directory import FLIGHT_NAME, flight_bags
 from jfto.pipeline.run import Run
-from jfto.planning.cures import cures
 from jfto.planning.scenario_file import LoadedScenario
 from jfto_msgs_py.plan import Plan
 
@@ -27,8 +26,8 @@ if TYPE_CHECKING:
 _SHOWN_VIOLATIONS = 8
 
 
-def plan_facts(plan: Plan, path: str) -> dict[str, Any]:
-    """What a program wants to know of a plan."""
+def plan_facts(plan: Plan, path: str, cures: tuple[str, ...] = ()) -> dict[str, Any]:
+    """What a program wants to know of a plan; `cures` would help where it is infeasible."""
     assert plan.certificate is not None
     return {
         "plan": path,
@@ -39,11 +38,11 @@ def plan_facts(plan: Plan, path: str) -> dict[str, Any]:
         "length_m": plan.total_length_m,
         "horizon_s": plan.slots.horizon_s,
         "certificate": certificate_object(plan.certificate),
-        "cures": list(cures(plan)),
+        "cures": list(cures),
     }
 
 
-def print_infeasible(plan: Plan, path: str) -> None:
+def print_infeasible(plan: Plan, path: str, cures: tuple[str, ...] = ()) -> None:
     """Say on standard error what is violated, what would help, and where the plan lies."""
     certificate = plan.certificate
     assert certificate is not None
@@ -54,7 +53,8 @@ def print_infeasible(plan: Plan, path: str) -> None:
         click.echo(f"  also: {violation.message}", err=True)
     if len(violations) > _SHOWN_VIOLATIONS:
         click.echo(f"  and {len(violations) - _SHOWN_VIOLATIONS} more violations", err=True)
-    click.echo(f"  would help: {' · or '.join(cures(plan))}", err=True)
+    if cures:
+        click.echo(f"  would help: {' · or '.join(cures)}", err=True)
     click.echo(
         f"Closest plan kept: {path} ({certificate.slot_violations} of {certificate.slot_checks} "
         "slot checks violated, listed inside)",
@@ -134,7 +134,7 @@ def print_run(loaded: LoadedScenario, run: Run, end: FlightEnd | None, *, as_jso
     assert run.comparison is not None
     scene = loaded.scenario.evaluation.paper_scene
     if as_json:
-        facts = plan_facts(run.plan, str(run.plan_path))
+        facts = plan_facts(run.plan, str(run.plan_path), run.cures)
         facts["comparison"] = comparison_object(run.plan, run.comparison, scene)
         facts["flight"] = None if end is None else _flight_facts(run, end)
         facts["report"] = str(run.report)
@@ -142,7 +142,7 @@ def print_run(loaded: LoadedScenario, run: Run, end: FlightEnd | None, *, as_jso
         return
     print_comparison([("this scene" if scene == "none" else scene, run.comparison)])
     if not run.plan.clean:
-        print_infeasible(run.plan, str(run.plan_path))
+        print_infeasible(run.plan, str(run.plan_path), run.cures)
     click.echo(f"Report      {run.report}")
 
 

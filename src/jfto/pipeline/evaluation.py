@@ -9,6 +9,7 @@ from pathlib import Path
 from jfto.analysis.comparison import Comparison, compare
 from jfto.analysis.export import comparison_csv, comparison_object, slots_csv
 from jfto.console.progress import SILENT, Progress
+from jfto.planning.cures import would_help
 from jfto.planning.routes import plan_routes, read_and_certify
 from jfto.planning.scenario_file import SCENARIO_NAME, LoadedScenario, load_scenario
 from jfto.planning.survey import survey
@@ -24,7 +25,8 @@ from jfto_world.terrain import Dem
 class Evaluated:
     """A plan, how the algorithms compare on it, and what else the figures need.
 
-    `dem` is None for a plan whose scenario is not at hand.
+    `dem` is None for a plan whose scenario is not at hand; `cures` would help an infeasible one
+    that was made here.
     """
 
     label: str
@@ -32,6 +34,7 @@ class Evaluated:
     comparison: Comparison
     dem: Dem | None
     evaluation: EvaluationPart
+    cures: tuple[str, ...] = ()
 
     @property
     def scene(self) -> str:
@@ -43,9 +46,10 @@ def evaluate_scenario(loaded: LoadedScenario, progress: Progress = SILENT) -> Ev
     """Plan a scenario and compare; raises JftoError."""
     found = survey(loaded, progress)
     planned = plan_routes(loaded.scenario, found, progress)
+    cures = would_help(planned, found.dem, progress)
     evaluation = loaded.scenario.evaluation
     comparison = compare(planned.plan, evaluation.n_dc, progress)
-    return Evaluated(loaded.path.stem, planned.plan, comparison, found.dem, evaluation)
+    return Evaluated(loaded.path.stem, planned.plan, comparison, found.dem, evaluation, cures)
 
 
 def evaluate_plan_file(path: Path, progress: Progress = SILENT) -> Evaluated:

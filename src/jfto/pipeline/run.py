@@ -50,7 +50,7 @@ _KEPT = "kept: made of the same scenario, terrain and program"
 class Run:
     """What a run came to. `plan_path` names an infeasible plan where the certificate is not clean;
     `report` and `comparison` are None where the run ended after planning, `flight` where no flight
-    is on record.
+    is on record. `cures` would help an infeasible plan that was made in this run.
     """
 
     plan: Plan
@@ -59,6 +59,7 @@ class Run:
     comparison: Comparison | None = None
     report: Path | None = None
     flight: FlightFacts | None = None
+    cures: tuple[str, ...] = ()
 
 
 def rebuild(directory: Path, progress: Progress = SILENT) -> Run:
@@ -118,6 +119,7 @@ class Pipeline:
         kept = self._kept_plan(inputs)
         if kept is not None:
             return kept
+        from jfto.planning.cures import would_help
         from jfto.planning.routes import plan_routes
         from jfto.planning.survey import survey
 
@@ -131,10 +133,11 @@ class Pipeline:
             files.append(self._write_json(COVERAGE_NAME, coverage_object(found.coverage)))
         self._dem = found.dem
         planned = plan_routes(scenario, found, self._progress)
+        cures = would_help(planned, found.dem, self._progress)
         path = save_plan(planned.plan, self._directory / PLAN_NAME)
         if not planned.interrupted:
             self._products.made("plan", inputs, [*files, path])
-        return Run(planned.plan, path, interrupted=planned.interrupted)
+        return Run(planned.plan, path, interrupted=planned.interrupted, cures=cures)
 
     def take(self, file: Path) -> Run:
         """A plan that is there already, checked anew and copied to the directory.

@@ -23,6 +23,7 @@ from jfto_planner.methods import SEARCH, solve
 from jfto_planner.routing import (
     Estimated,
     RoutingProblem,
+    SearchResult,
     SearchSettings,
     build_plan,
     calibrated,
@@ -43,12 +44,15 @@ CALIBRATION_SHARE = 16
 class Planned:
     """A certified plan; `interrupted` says that the search was stopped before its budget.
 
-    `estimate_s` is the makespan that the search expected of its routes, `learned` what a learned
-    method and the search alone found, in words.
+    `problem` is what the search solved last and `result` what it found, `estimate_s` the makespan
+    that it expected of its routes, `learned` what a learned method and the search alone found, in
+    words.
     """
 
     plan: Plan
     interrupted: bool
+    problem: RoutingProblem
+    result: SearchResult
     estimate_s: float
     learned: str = ""
 
@@ -104,7 +108,7 @@ def plan_routes(
         plan = replace(plan, certificate=certify_plan(plan, ground))
         stopped |= result.stopped_by == "user"
         estimate_s = float(expected_s(problem, result.routes).max())
-        planned = Planned(plan, stopped, estimate_s, learned)
+        planned = Planned(plan, stopped, problem, result, estimate_s, learned)
         if best is None or planned.faults < best.faults:
             best = planned
         # Where the search judges by the very times that the plan has, it knows all but what happens

@@ -9,7 +9,7 @@ import pytest
 
 from jfto_planner.routing import SearchSettings, search, suggest_cures
 from jfto_planner.routing.assess import assess
-from jfto_planner.routing.cures import missing_gain_db, with_gain
+from jfto_planner.routing.suggestions.gain import missing_gain_db, with_gain
 
 QUICK = SearchSettings(moves=40_000, starts=1)
 
@@ -63,3 +63,40 @@ def test_feasible_results_need_no_cure(make_problem):
     result = search(problem, SearchSettings(moves=160_000, starts=2), seed=1)
     assert result.feasible
     assert suggest_cures(problem, result, seed=1, trial=QUICK) == ()
+
+
+def test_long_routes_are_cured_by_length(make_problem):
+    """Where only length is missing, the closest routes are clean at the length suggested."""
+    problem = make_problem(length_max_m=800.0, reach_m=np.full(4, 900.0), d_min_m=0.0)
+    result = search(problem, QUICK, seed=1)
+    assert not result.feasible
+    by_kind = {c.kind: c for c in suggest_cures(problem, result, seed=1, trial=QUICK)}
+    longer = replace(problem, length_max_m=by_kind["length"].amount)
+    assert assess(longer, by_kind["length"].routes).clean
+
+
+def test_no_search_begins_after_its_time(hopeless):
+    """Without time there is what the closest routes show, and nothing that needs a search."""
+    problem, result = hopeless
+    told = []
+    cures = suggest_cures(
+        problem,
+        result,
+        seed=1,
+        seconds=0.0,
+        progress=lambda share, what: told.append((share, what)),
+    )
+    assert {cure.kind for cure in cures} <= {"time", "length", "energy", "separation", "gain"}
+    assert told[0] == (0.0, "one budget more")
+
+
+def test_one_more_uav_takes_off_over_the_same_ground(make_problem):
+    """Legs that are closed at the pad beside it are closed for the further UAV too."""
+    problem = make_problem(t_max_s=np.full(4, 60.0), reach_m=np.full(4, 900.0), d_min_m=5.0)
+    closed = np.zeros((28, 28), dtype=bool)
+    closed[24:, 0] = closed[0, 24:] = True
+    problem = replace(problem, closed_legs=closed)
+    result = search(problem, QUICK, seed=1)
+    for cure in suggest_cures(problem, result, seed=1, trial=QUICK):
+        if cure.kind == "uav":
+            assert all(route[:1] != (0,) for route in cure.routes)
