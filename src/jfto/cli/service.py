@@ -47,13 +47,19 @@ def call(session: Session, name: str, type_name: str, values: str) -> None:
     request = kind.Request()
     fill(request, read_yaml(values))
     full_name = graph.full_name(session.node, name, is_service=True)
-    offered = dict(graph.services(session.node, hidden=True)).get(full_name, [type_name])
-    if type_name not in offered:
-        raise RosCommandError(f"{full_name} is of type {', '.join(offered)}, not {type_name}.")
     client = session.node.create_client(kind, full_name)
-    if not session.spin_until(client.service_is_ready, _SILENT_WAIT_S):
+
+    def is_ready() -> bool:
+        # Our own client is on the list too, with the type that was asked for.
+        offered = dict(graph.services(session.node, hidden=True)).get(full_name, [])
+        others = [each for each in offered if each != type_name]
+        if others and not client.service_is_ready():
+            raise RosCommandError(f"{full_name} is of type {', '.join(others)}, not {type_name}.")
+        return bool(client.service_is_ready())
+
+    if not session.spin_until(is_ready, _SILENT_WAIT_S):
         click.echo("waiting for service to become available...")
-        session.spin_until(client.service_is_ready)
+        session.spin_until(is_ready)
     click.echo(f"requester: making request: {request!r}\n")
     future = client.call_async(request)
     session.spin_until(future.done)

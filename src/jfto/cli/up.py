@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from jfto.supervision.graph_table import GraphOptions, Vehicles
 
 EXIT_UNCLEAN = 1
+# How long others on the ROS domain are listened for.
+_LISTEN_S = 1.0
 
 
 @click.command("up")
@@ -97,8 +99,11 @@ def command(
 
     options = graph_of(loaded, out, plan_file, choices)
     directory = options.directory
+    commands = graph_commands(options)
+    # Power and radio nodes may run aboard, one for each UAV.
+    _require_alone({each.name for each in commands} - {"power_node", "radio_node"})
     click.echo(f"Logs          {directory / LOGS}   (Ctrl-C stops all)")
-    supervisor = Supervisor(graph_commands(options), directory, _tell)
+    supervisor = Supervisor(commands, directory, _tell)
     # Whatever ends it comes once: a second Ctrl-C finds it ending.
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, lambda *_: supervisor.stop())
@@ -112,6 +117,21 @@ def command(
         click.echo(f"✗ {name} {how}. Its last words:\n{_last_lines(log)}", err=True)
         return EXIT_STATUSES[name]
     return EXIT_UNCLEAN if outcome.unclean else 0
+
+
+def _require_alone(names: set[str]) -> None:
+    """Refuse to start nodes that run on this ROS domain already; raises InputError."""
+    from jfto.cli.ros_options import session_of
+    from jfto.ros_cli import graph
+    from jfto_msgs_py.errors import InputError
+
+    with session_of(_LISTEN_S) as session:
+        running = {each.rpartition("/")[2] for each in graph.nodes(session.node)} & names
+    if running:
+        raise InputError(
+            f"another graph runs on this ROS domain ({', '.join(sorted(running))}). End it, or set "
+            "ROS_DOMAIN_ID to another number for this one. Nothing was started."
+        )
 
 
 def graph_of(

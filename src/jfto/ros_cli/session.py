@@ -19,7 +19,9 @@ EXIT_TERMINATED = 143
 
 # On a busy computer the first nodes are found late.
 _ALONE_S = 2.0
-_QUIET_S = 0.3
+# Nodes on one computer announce themselves every 0.3 s.
+_QUIET_S = 0.8
+_DISCOVERY_LIMIT_S = 6.0
 # How long a signal may go unnoticed.
 _POLL_S = 0.05
 
@@ -97,12 +99,21 @@ class Session:
             raise Stopped(self._signals.status)
 
     def discover(self, spin_time_s: float) -> None:
-        """Listen for `spin_time_s`, and for longer where nobody was found by then."""
-        self.pause(spin_time_s)
-        if len(self.node.get_node_names()) < 2:
-            self.spin_until(lambda: len(self.node.get_node_names()) > 1, _ALONE_S)
-            # Where one is found, the others follow.
-            self.pause(_QUIET_S)
+        """Listen for `spin_time_s`, and on until somebody was found and the graph is at rest."""
+        begin = changed = time.monotonic()
+        picture: Any = None
+        while True:
+            self.pause(2 * _POLL_S)
+            now = time.monotonic()
+            names = self.node.get_node_names_and_namespaces()
+            services = self.node.get_service_names_and_types()
+            current = (sorted(names), self.node.get_topic_names_and_types(), services)
+            if current != picture:
+                picture, changed = current, now
+            wanted_s = spin_time_s if len(names) > 1 else max(spin_time_s, _ALONE_S)
+            rested = now - begin >= wanted_s and now - changed >= _QUIET_S
+            if rested or now - begin >= max(spin_time_s, _DISCOVERY_LIMIT_S):
+                return
 
 
 @contextlib.contextmanager

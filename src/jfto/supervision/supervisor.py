@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from jfto.supervision.back_off import BackOff, BackOffSettings
+from jfto.supervision.held import held
 from jfto.supervision.log_tail import LogTail
 from jfto.supervision.process import NodeCommand, Process, ending
 from jfto.supervision.shared_memory import SharedMemory
@@ -88,7 +89,7 @@ class Supervisor:
     def run(self) -> Outcome:
         """Start all in order and keep them up; returns when stopped, or when one is given up.
 
-        Raises InputError where logs cannot be written.
+        Raises InputError where logs cannot be written, or another graph writes there.
         """
         try:
             (self._directory / LOGS).mkdir(parents=True, exist_ok=True)
@@ -97,13 +98,14 @@ class Supervisor:
                 f"{self._directory}: cannot be made: {error.strerror}. Name another with --out."
             ) from None
         stopped = False
-        try:
-            for slot in self._slots:
-                self._start(slot)
-            self._write_status()
-            stopped = self._watch()
-        finally:
-            unclean = self._stop_all()
+        with held(self._directory):
+            try:
+                for slot in self._slots:
+                    self._start(slot)
+                self._write_status()
+                stopped = self._watch()
+            finally:
+                unclean = self._stop_all()
         failed = {s.node.name: s.given_up for s in self._slots if s.given_up}
         return Outcome(stopped, failed, unclean)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
 import os
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from jfto_msgs_py.errors import InputError
 # The wheels bring this one only.
 _WHEELS_RMW = "rmw_fastrtps_cpp"
 _WHEELS_DISTRIBUTION = "jazzy"
+_GREATEST_DOMAIN = 232
 _DISCOVERY = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 # Where Fast DDS 2 and 3 are told of a user's settings, which win over ours.
 _PROFILES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
@@ -77,12 +79,13 @@ def require_ros() -> RosInstallation:
     Where it stays there, nodes announce themselves more often than by default, so that they find
     one another in a fraction of a second: over a radio that would be a burden.
 
-    Raises RosMissingError where there is no ROS 2, or two at once, or wheels that lack the wanted
-    middleware.
+    Raises RosMissingError where there is no ROS 2 or none that loads, two at once, wheels that lack
+    the wanted middleware, or a domain that cannot be.
     """
     os.environ.setdefault(_DISCOVERY, "LOCALHOST")
     if not any(os.environ.get(name) for name in _PROFILES) and _discovery() == "LOCALHOST":
         os.environ[_PROFILES[0]] = str(_LOCAL_PROFILE)
+    _require_domain()
     found = find_ros()
     if found is None:
         raise RosMissingError(
@@ -101,7 +104,24 @@ def require_ros() -> RosInstallation:
             f"RMW_IMPLEMENTATION is {wanted}, and the ROS 2 wheels have {_WHEELS_RMW} only. Unset "
             "it, or use ROS 2 from apt."
         )
+    try:
+        importlib.import_module("rclpy")
+    except ImportError as error:
+        raise RosMissingError(
+            f"rclpy is there but cannot be loaded: {error}. Make the environment anew, or get "
+            f"ROS 2 by {BOTH_WAYS}."
+        ) from None
     return found
+
+
+def _require_domain() -> None:
+    """Refuse a ROS domain that has no ports."""
+    domain = os.environ.get("ROS_DOMAIN_ID", "")
+    if domain and not (domain.isdecimal() and int(domain) <= _GREATEST_DOMAIN):
+        raise RosMissingError(
+            f"ROS_DOMAIN_ID is {domain!r}, must be a number from 0 to {_GREATEST_DOMAIN}; above "
+            "101 Linux may have given its ports away."
+        )
 
 
 def _discovery() -> str:

@@ -135,3 +135,11 @@ def test_without_any_ros_one_sentence_names_both_ways(command):
     assert "pip install" in done.stderr
     assert "source /opt/ros/jazzy/setup.bash" in done.stderr
     assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("domain", ["500", "abc", "-1"])
+def test_a_domain_that_cannot_be_is_refused(domain, monkeypatch):
+    """Before anything of ROS is asked, whose words for it help nobody."""
+    monkeypatch.setenv("ROS_DOMAIN_ID", domain)
+    with pytest.raises(RosMissingError, match=r"must be a number from 0 to 232"):
+        require_ros()
