@@ -107,7 +107,7 @@ def say_flight(plan: Plan, job: FlightJob, end: FlightEnd, progress: Progress) -
 
     parts = ["all landed" if end.outcome.ending == Ending.LANDED else end.outcome.text]
     if end.speedup is not None and job.simulated:
-        parts.append(f"{end.speedup:.1f} × real time ({job.settings.speedup:g} asked)")
+        parts.append(f"×{end.speedup:.1f} of {job.settings.speedup:g} asked")
     if end.deaths:
         parts.append(f"{len(end.deaths)} processes died")
     good = end.outcome.good

@@ -28,11 +28,10 @@ class PaceSettings:
 
 @dataclass
 class _Follower:
-    """Somebody in the graph: how far it has come, since when and for how long it is waited for."""
+    """Somebody in the graph: how far it has come, and since when it is waited for, if it is."""
 
     at_ns: int
     since_s: float | None = None
-    waited_s: float = 0.0
 
     def come_to(self, at_ns: int) -> None:
         if at_ns != self.at_ns:
@@ -70,6 +69,7 @@ class FleetPace:
         self._poses: dict[str, _Follower] = {}
         # UAVs whose poses come from somebody new, and since when in this computer's time.
         self._linking: dict[str, float | None] = {}
+        self._waited_s: dict[str, float] = {}
         # Vehicles' and computer's time when the flight began that is on.
         self._begun: tuple[int, float] | None = None
         self.given_up: frozenset[str] = frozenset()
@@ -126,7 +126,7 @@ class FleetPace:
                 given_up.add(name)
                 speed = min(speed, 1.0)
             else:
-                one.waited_s += passed_s
+                self._waited_s[name] = self._waited_s.get(name, 0.0) + passed_s
                 creeps = wall_s - one.since_s > patience_s / 2
                 speed = min(speed, self._settings.creep if creeps else 0.0)
         self.given_up = frozenset(given_up)
@@ -145,10 +145,7 @@ class FleetPace:
         begun = self._begun
         if flying == (begun is not None):
             return None
-        everybody = {**self._nodes, **{_pose_of(uav): one for uav, one in self._poses.items()}}
-        waited_s = {name: one.waited_s for name, one in everybody.items() if one.waited_s}
-        for one in everybody.values():
-            one.waited_s = 0.0
+        waited_s, self._waited_s = self._waited_s, {}
         if begun is None:
             self._begun = (now_ns, wall_s)
             return None
