@@ -34,7 +34,7 @@ from jfto_planner.policy.training.seeds import HELD_OUT, generator_of
 from jfto_planner.policy.weights import load_weights
 from jfto_planner.routing import RoutingProblem, SearchSettings, search
 from jfto_planner.routing.annealer import Annealer
-from jfto_planner.routing.result import SearchResult
+from jfto_planner.routing.search import SearchResult
 from routing import radio_free_length_m
 
 SEED = 97

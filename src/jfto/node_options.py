@@ -8,7 +8,7 @@ from jfto_mavlink.options import BridgeOptions
 from jfto_msgs_py.scenario import Key
 from jfto_msgs_py.scenario.key import param
 from jfto_msgs_py.scenario.options import option_keys
-from jfto_planner.planner_options import PlannerOptions
+from jfto_planner.options import PlannerOptions
 from jfto_power.options import PowerOptions, RadioOptions
 from jfto_topology.options import TopologyOptions
 

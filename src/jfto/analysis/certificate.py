@@ -9,8 +9,7 @@ import numpy as np
 from jfto.analysis.grid import FINER, FlownGrid
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.types import Array, Flags
-from jfto_planner.routing.certificate import plan_instants
-from jfto_planner.routing.certificate_instants import Instants
+from jfto_planner.routing.certificate import Instants, plan_instants
 
 # Near its pad a UAV takes off and lands.
 PAD_M = 15.0

@@ -11,9 +11,7 @@ from jfto.analysis.record import RecordedFlight, Track
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.types import Array, Flags
-from jfto_planner.routing.certificate import plan_instants
-from jfto_planner.routing.certificate_instants import Instants
-from jfto_planner.routing.certificate_routes import fly
+from jfto_planner.routing.certificate import Instants, fly, plan_instants
 
 FINER = 10
 # Poses come several times a second; between two that are further apart a UAV was not seen.

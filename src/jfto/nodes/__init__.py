@@ -23,7 +23,7 @@ def planner_node(arguments: Arguments = None) -> int:
     """Run the planner node."""
 
     def make() -> Any:
-        from jfto_planner.planner_node import PlannerNode
+        from jfto_planner.node.planner_node import PlannerNode
 
         return PlannerNode(plan_scenario, load_certified)
 

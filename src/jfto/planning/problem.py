@@ -15,7 +15,7 @@ from jfto_msgs_py.types import Array, Flags
 from jfto_msgs_py.units import dbm_to_w
 from jfto_planner.low_legs import low_legs
 from jfto_planner.routing import RoutingProblem
-from jfto_planner.routing.certificate_ground import GroundRule
+from jfto_planner.routing.certificate import GroundRule
 from jfto_planner.starts import check_starts, choose_starts, place_pads
 from jfto_world.motion import MotionLimits
 from jfto_world.radio import make_channel

@@ -31,7 +31,7 @@ from jfto_planner.routing import (
     search,
 )
 from jfto_planner.routing.assess import Routes
-from jfto_planner.routing.certificate_ground import GroundRule
+from jfto_planner.routing.certificate import GroundRule
 
 # A plan that breaks a rule once it is timed as flown goes back to the search, so many times in all;
 # a later search starts from the routes it has, and tries so much fewer moves.

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import ndimage
 
 from jfto_msgs_py.errors import InfeasibleError
 from jfto_msgs_py.plan import Vector, Waypoint
@@ -17,7 +18,6 @@ from jfto_planner.coverage.certificate import CoverageCertificate, certify_cover
 from jfto_planner.coverage.gaps import gap_centres
 from jfto_planner.coverage.lattice import surface_lattice
 from jfto_planner.coverage.settings import CoverageSettings
-from jfto_planner.coverage.smooth_surface import smooth_surface
 from jfto_world.terrain import CubicSurface, Dem
 
 # A photo from further away than this multiple of the wished distance does not count as coverage.
@@ -65,7 +65,7 @@ def plan_coverage(
     """
     distance_m = settings.distance_for(camera)
     footprint = camera.footprint_m(distance_m)
-    surface = smooth_surface(dem, settings.smoothing_for(footprint))
+    surface = _smooth_surface(dem, settings.smoothing_for(footprint))
     along_x = _rows_run_east(surface, dem)
     placer = _Placer(dem, surface, distance_m, 0.0 if along_x else 90.0, settings)
     waypoints, notes = placer.place(_lattice(surface, dem, footprint, along_x, settings), 0, "")
@@ -176,3 +176,15 @@ class _Placer:
 def _vector(values: Array) -> Vector:
     x, y, z = (float(v) for v in values)
     return x, y, z
+
+
+def _smooth_surface(dem: Dem, sigma_m: float) -> CubicSurface:
+    """Bicubic surface of the ground after a Gaussian filter of standard deviation `sigma_m`."""
+    x, y, z = dem.grid()
+    step_x, step_y = float(x[1] - x[0]), float(y[1] - y[0])
+    # Reflected oddly, a slope goes on beyond the edge instead of levelling out.
+    reach = int(np.ceil(4 * sigma_m / min(step_x, step_y))) + 1
+    padded = np.pad(z, reach, mode="reflect", reflect_type="odd")
+    smooth = ndimage.gaussian_filter(padded, (sigma_m / step_y, sigma_m / step_x))
+    inner = smooth[reach:-reach, reach:-reach]
+    return CubicSurface.through(inner, float(x[0]), float(y[0]), step_x, step_y)

@@ -5,8 +5,7 @@ from jfto_planner.routing.certificate import certify
 from jfto_planner.routing.estimated import Calibrated, Estimated, calibrated
 from jfto_planner.routing.plan_of import plan_of
 from jfto_planner.routing.problem import RoutingProblem
-from jfto_planner.routing.result import SearchResult
-from jfto_planner.routing.search import search
+from jfto_planner.routing.search import SearchResult, search
 from jfto_planner.routing.settings import SearchSettings
 from jfto_planner.routing.suggestions import Cure, suggest_cures
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from jfto_planner.routing.assess import Assessment, Routes, assess, fleet_positions
-from jfto_planner.routing.energy_proxy import energy_proxy
 from jfto_planner.routing.kernel.anneal import COUNTERS, TRIED, Search, anneal
+from jfto_planner.routing.kernel.energy import energy_proxy
 from jfto_planner.routing.kernel.tables import (
     ENERGY,
     LENGTH,

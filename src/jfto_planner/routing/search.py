@@ -7,17 +7,43 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass
 
 import numpy as np
 
 from jfto_msgs_py.errors import InputError
 from jfto_planner.routing.annealer import Annealer, Found
-from jfto_planner.routing.assess import Routes, assess
+from jfto_planner.routing.assess import Assessment, Routes, assess
 from jfto_planner.routing.problem import RoutingProblem
-from jfto_planner.routing.result import SearchResult
 from jfto_planner.routing.settings import SearchSettings
 
 POLL_S = 0.1
+
+
+@dataclass(frozen=True)
+class SearchResult:
+    """Best routes found, or where none satisfies every constraint the closest to it.
+
+    `routes` holds waypoint indices per UAV, `length_m` their summed length; `feasible` says whether
+    they keep every rule, `assessment` has the violation totals and the energies. `seconds` is what
+    it took by the clock. `stopped_by` is "time limit" or "user" where one of them
+    ended the search, else empty. `moves` counts moves tried, `lengths_m` the best sound length of
+    each start (inf where it found none).
+    """
+
+    routes: Routes
+    length_m: float
+    feasible: bool
+    assessment: Assessment
+    moves: int
+    seconds: float
+    stopped_by: str
+    lengths_m: tuple[float, ...]
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether the search was stopped before it had used its moves."""
+        return bool(self.stopped_by)
 
 
 def search(

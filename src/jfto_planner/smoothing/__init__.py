@@ -3,10 +3,14 @@
 See docs/explanation/trajectories.md.
 """
 
-from jfto_planner.smoothing.bounds import rest_to_rest_s, straight_line_s
 from jfto_planner.smoothing.fleet import CurveRules, kept_apart, smooth_fleet
 from jfto_planner.smoothing.hull import limit_ratios
-from jfto_planner.smoothing.limits import CurveLimits, photo_speed_mps
+from jfto_planner.smoothing.limits import (
+    CurveLimits,
+    photo_speed_mps,
+    rest_to_rest_s,
+    straight_line_s,
+)
 from jfto_planner.smoothing.separation import (
     Approach,
     SeparationSettings,

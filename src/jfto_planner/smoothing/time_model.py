@@ -8,8 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from jfto_msgs_py.types import Array
-from jfto_planner.smoothing.bounds import rest_to_rest_s
-from jfto_planner.smoothing.limits import CurveLimits
+from jfto_planner.smoothing.limits import CurveLimits, rest_to_rest_s
 from jfto_planner.smoothing.smooth import RouteRequest, SmoothingSettings, smooth_route
 from jfto_planner.smoothing.trajectory import Trajectory
 from jfto_world.motion.limits import MotionLimits

@@ -8,7 +8,7 @@ from jfto.nodes.pose_player import PosePlayerNode
 from jfto.nodes.topics_page import page
 from jfto_msgs_py.ros import topics
 from jfto_msgs_py.ros.endpoints import SERVICES, TOPICS, UAV
-from jfto_planner.planner_node import PlannerNode
+from jfto_planner.node.planner_node import PlannerNode
 from jfto_power.node.power_node import PowerNode
 from jfto_power.node.radio_node import RadioNode
 from jfto_topology.node.topology_node import TopologyNode

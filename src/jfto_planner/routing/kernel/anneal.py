@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from jfto_planner.routing.kernel.evaluate import accept, cost_of, evaluate
-from jfto_planner.routing.kernel.fine import is_sound
+from jfto_planner.routing.kernel.evaluate import accept, cost_of, evaluate, is_sound
 from jfto_planner.routing.kernel.local import assemble, propose
 from jfto_planner.routing.kernel.prng import Seed, below, uniform
 from jfto_planner.routing.kernel.ruin import (

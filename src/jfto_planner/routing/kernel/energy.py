@@ -1,10 +1,17 @@
-"""A cheap stand-in for the energy that the least powers of the topology cost."""
+"""A cheap stand-in for the energy that the least powers of the topology cost.
+
+Compiled for the search, and in array code for what it finds.
+"""
 
 from __future__ import annotations
 
+import numpy as np
+
+from jfto_msgs_py.types import Array
 from jfto_planner.routing.kernel.radio import fill_ratios, kth_nearest
 from jfto_planner.routing.kernel.tables import State, Tables, Work
 from jfto_world.compiled import inner
+from jfto_world.radio import pairwise_distances
 
 
 @inner
@@ -45,3 +52,20 @@ def energy_excess(tables: Tables, work: Work) -> float:
     for a in range(work.spent.shape[0]):
         excess += max(0.0, work.spent[a] / tables.energy_limit[a] - 1.0)
     return excess
+
+
+def energy_proxy(positions_m: Array, slot_s: float, k_min: int, exponent: float) -> Array:
+    """Time integral of (distance / 1 km)^exponent to the farthest UAV that one must reach, (A,).
+
+    Those are a UAV's k_min nearest (at least one) and all that count it among theirs.
+    `positions_m` is (N + 1, A, 3).
+    """
+    uavs = positions_m.shape[1]
+    if uavs == 1:
+        return np.zeros(1)
+    distance = pairwise_distances(positions_m) * 1e-3
+    distance[:, np.arange(uavs), np.arange(uavs)] = np.inf
+    kth = np.sort(distance, axis=-1)[:, :, max(k_min, 1) - 1]
+    mutual = distance <= np.maximum(kth[:, :, None], kth[:, None, :])
+    need = np.where(mutual, distance, 0.0).max(axis=-1)
+    return (need[1:] ** exponent).sum(axis=0) * slot_s

@@ -1,4 +1,7 @@
-"""What a candidate costs: length plus weighted violations, cheapest tests first."""
+"""What a candidate costs: length plus weighted violations, cheapest tests first.
+
+And the rules on the exact time grid, ten times finer than the slots, for what is to be kept.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,12 @@ import numpy as np
 
 from jfto_planner.routing.kernel.energy import energy_excess, energy_spent
 from jfto_planner.routing.kernel.motion import fill_positions, time_route
-from jfto_planner.routing.kernel.radio import renew_deficits, renew_pairs
+from jfto_planner.routing.kernel.radio import (
+    renew_deficits,
+    renew_pairs,
+    scan_pair,
+    slot_is_sound,
+)
 from jfto_planner.routing.kernel.tables import (
     ENERGY,
     LATE,
@@ -165,3 +173,28 @@ def accept(cur: State, cand: State, work: Work) -> None:
                 cur.prefix[a, i + 1] = cand.prefix[a, i + 1]
                 cur.route_of[cur.seq[a, i]] = a
                 cur.index_of[cur.seq[a, i]] = i
+
+
+@inlined
+def is_sound(tables: Tables, state: State, work: Work, pos: np.ndarray, mask: np.ndarray) -> bool:
+    """Tell whether separation, neighbours and connectivity hold at all 10 N + 1 instants.
+
+    `pos` (A, 3, 10 N + 1) and `mask` (A, 10 N + 1) are scratch memory.
+    """
+    uavs = state.size.shape[0]
+    last = tables.fine_slots
+    work.changed[:] = False
+    horizon_s = tables.hold_s if tables.hold_s > 0.0 else makespan(state, state, work)
+    for a in range(uavs):
+        fill_positions(tables, state, a, horizon_s / last, 0, pos[a])
+    mask[:] = np.uint64(0)
+    for a in range(uavs):
+        for b in range(a):
+            limits = (tables.reach_exact[a, b] ** 2, tables.d_min**2)
+            if scan_pair(pos[a], pos[b], mask[a], mask[b], (a, b), limits, 0, last) > 0:
+                return False
+    everyone = ~np.uint64(0) >> np.uint64(64 - uavs)
+    for slot in range(last + 1):  # noqa: SIM110 - numba compiles no generators into all()
+        if not slot_is_sound(mask, slot, tables.k_min, everyone):
+            return False
+    return True

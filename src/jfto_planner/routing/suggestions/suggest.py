@@ -11,8 +11,7 @@ import numpy as np
 from jfto_msgs_py.types import Array
 from jfto_planner.routing.assess import Routes, assess
 from jfto_planner.routing.problem import MOST_UAVS, RoutingProblem
-from jfto_planner.routing.result import SearchResult
-from jfto_planner.routing.search import search
+from jfto_planner.routing.search import SearchResult, search
 from jfto_planner.routing.settings import SearchSettings
 from jfto_planner.routing.suggestions.budgets import BUDGETS, Cure
 from jfto_planner.routing.suggestions.gain import missing_gain_db, with_gain

@@ -25,11 +25,10 @@ from jfto_msgs_py.ros.graph_node import GraphNode
 from jfto_msgs_py.ros.stamps import decode_time
 from jfto_msgs_py.ros.vehicle import encode_path, encode_trajectory
 from jfto_msgs_py.scenario import Scenario
-from jfto_planner.lift_off import LiftOff
-from jfto_planner.lift_off_file import sound_plan
-from jfto_planner.plan_job import PlanJob, Progress
+from jfto_planner.node.lift_off import LiftOff, sound_plan
+from jfto_planner.node.plan_job import PlanJob, Progress
+from jfto_planner.options import PlannerOptions
 from jfto_planner.plan_trajectory import timed_paths, timed_trajectories
-from jfto_planner.planner_options import PlannerOptions
 
 _CLOCK_WAIT_S = 0.1
 _KEEP_AHEAD_S = 60.0

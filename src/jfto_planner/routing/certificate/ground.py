@@ -10,7 +10,7 @@ import numpy as np
 from jfto_msgs_py.certificate import Violation
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.types import Array
-from jfto_planner.routing.certificate_routes import fly
+from jfto_planner.routing.certificate.routes import fly
 
 SPACING_M = 1.0
 # Bilinear ground between samples, and positions rounded in a plan file.

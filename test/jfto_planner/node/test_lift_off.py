@@ -14,9 +14,9 @@ from jfto_msgs_py.ros.events import decode_event
 from jfto_msgs_py.ros.stamps import encode_time
 from jfto_msgs_py.ros.vehicle import decode_trajectory
 from jfto_msgs_py.scenario import Given, make_scenario
-from jfto_planner.lift_off import LiftOff
-from jfto_planner.planner_node import PlannerNode
-from jfto_planner.planner_options import PlannerOptions
+from jfto_planner.node.lift_off import LiftOff
+from jfto_planner.node.planner_node import PlannerNode
+from jfto_planner.options import PlannerOptions
 from support.fleets import START_NS, at
 from support.graph import SCENARIO, Graph
 from support.plans import side_by_side

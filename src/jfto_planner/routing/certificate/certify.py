@@ -17,10 +17,10 @@ from jfto_msgs_py.errors import PlanError
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.types import Array
 from jfto_msgs_py.units import dbm_to_w, ratio_to_db
-from jfto_planner.routing.certificate_between import check_between
-from jfto_planner.routing.certificate_ground import GroundRule, check_ground
-from jfto_planner.routing.certificate_instants import Instants, instants_of
-from jfto_planner.routing.certificate_routes import Flown, check_routes, fly
+from jfto_planner.routing.certificate.between import check_between
+from jfto_planner.routing.certificate.ground import GroundRule, check_ground
+from jfto_planner.routing.certificate.instants import Instants, instants_of
+from jfto_planner.routing.certificate.routes import Flown, check_routes, fly
 from jfto_world.radio import make_channel
 
 EnergyFloor = Callable[[Array, float], Array]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jfto_planner.routing.certificate_ground import GroundRule, heights_m
+from jfto_planner.routing.certificate.ground import GroundRule, heights_m
 
 
 def flat(x_m, y_m):

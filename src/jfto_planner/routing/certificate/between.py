@@ -7,7 +7,7 @@ import numpy as np
 from jfto_msgs_py.certificate import Violation
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.types import Array
-from jfto_planner.routing.certificate_routes import TOLERANCE_M, fly
+from jfto_planner.routing.certificate.routes import TOLERANCE_M, fly
 
 # Chords this short leave an arc by less than a millimetre at 10 m/s².
 CHORD_S = 0.02

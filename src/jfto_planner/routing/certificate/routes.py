@@ -11,7 +11,7 @@ from jfto_msgs_py.certificate import Violation
 from jfto_msgs_py.errors import PlanError
 from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.types import Array
-from jfto_planner.routing.certificate_curves import check_curves, curves_of
+from jfto_planner.routing.certificate.curves import check_curves, curves_of
 from jfto_world.motion import MotionLimits, time_model_named
 
 # Plan files round to micrometres and microseconds, and sums of them differ by more.

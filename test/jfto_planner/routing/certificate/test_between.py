@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jfto_planner.routing.certificate_between import check_between
-from jfto_planner.routing.certificate_routes import fly
+from jfto_planner.routing.certificate.between import check_between
+from jfto_planner.routing.certificate.routes import fly
 from jfto_world.motion import MotionLimits
 
 

@@ -17,7 +17,7 @@ from jfto_msgs_py.errors import InputError, ScenarioError
 from jfto_msgs_py.plan_file import read_plan, write_plan
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.vehicle import decode_path, decode_trajectory
-from jfto_planner.planner_node import PlannerNode
+from jfto_planner.node.planner_node import PlannerNode
 from jfto_world.motion.progress import sample
 from support.graph import Graph
 from support.plans import side_by_side

@@ -1,14 +1,20 @@
-"""When a plan begins: provisionally, until the fleet says when it has lifted off."""
+"""When a plan begins: provisionally, until the fleet says when it has lifted off.
+
+That is kept on disk, so that a restarted planner keeps to it.
+"""
 
 from __future__ import annotations
 
-from dataclasses import replace
+import hashlib
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from jfto_msgs_py.errors import MessageError
+from jfto_msgs_py.files import FileKind, read_record, read_text, write_record
 from jfto_msgs_py.plan import Plan
-from jfto_planner.lift_off_file import LiftOffState, read_lift_off, write_lift_off
-from jfto_planner.planner_options import PlannerOptions
+from jfto_msgs_py.plan_file import plan_text
+from jfto_msgs_py.plan_reader import PLAN, plan_of_text
+from jfto_planner.options import PlannerOptions
 
 # How far ahead a start is kept that waits for the fleet, and how near it may come.
 AWAITED_S = 3600.0
@@ -19,6 +25,28 @@ _CLOCKS_DIFFER_S = 5.0
 _AHEAD_S = 60.0
 # Nobody hears of a flight for the first time so long after its planned end.
 _LONG_OVER_S = 3600.0
+
+_FILE = FileKind(
+    "lift-off",
+    "Name another file or delete it.",
+    format="jfto-lift-off",
+    version=2,
+    size_limit=10_000,
+)
+
+
+@dataclass(frozen=True)
+class LiftOffState:
+    """What is known of a plan's start; times are ns since the epoch.
+
+    `planned_ns` is when the plan was made, 0 where that is not known; `start_ns` its time zero;
+    `heard` whether the fleet itself has said so. `plan_sha256` says which plan, once it is kept.
+    """
+
+    planned_ns: int
+    start_ns: int
+    heard: bool
+    plan_sha256: str = ""
 
 
 class LiftOff:
@@ -90,3 +118,36 @@ class LiftOff:
     def _save(self) -> None:
         if self._file is not None:
             write_lift_off(self._plan, self._state, self._file)
+
+
+def write_lift_off(plan: Plan, state: LiftOffState, path: Path) -> None:
+    """Write a plan's lift-off; raises InputError."""
+    write_record(replace(state, plan_sha256=_digest(plan_text(plan))), path, _FILE)
+
+
+def read_lift_off(plan: Plan, path: Path) -> LiftOffState | None:
+    """Lift-off of this very plan, None where the file is not there or for another plan.
+
+    Raises InputError where it is no such file.
+    """
+    state = _read(path)
+    return state if state is not None and state.plan_sha256 == _digest(plan_text(plan)) else None
+
+
+def sound_plan(plan_file: Path, path: Path) -> Plan | None:
+    """The plan of a file if its lift-off is known, None for a plan that was changed since.
+
+    Lift-off is only written of a plan that was found sound. Raises InputError, PlanError.
+    """
+    text = read_text(plan_file, PLAN.error, PLAN.what, PLAN.size_limit)
+    state = _read(path)
+    is_same = state is not None and state.plan_sha256 == _digest(text)
+    return plan_of_text(text, plan_file) if is_same else None
+
+
+def _read(path: Path) -> LiftOffState | None:
+    return read_record(path, LiftOffState, _FILE) if path.exists() else None
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
