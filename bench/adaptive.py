@@ -22,10 +22,10 @@ import numpy as np
 
 from jfto.analysis.comparison import compare
 from jfto.planning.network import network_of
-from jfto_msgs_py.air import AirArray
-from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.plan_file import read_plan
-from jfto_msgs_py.vehicle import VehiclePose
+from jfto_msgs_py.records.air import AirArray
+from jfto_msgs_py.records.plan import Plan
+from jfto_msgs_py.records.vehicle import VehiclePose
 from jfto_planner.plan_trajectory import timed_trajectories
 from jfto_power.allocation import PowerProblem, allocate
 from jfto_power.core import PowerCore

@@ -13,7 +13,7 @@ from collections import defaultdict
 
 import numpy as np
 
-from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.units import dbm_to_w
 from jfto_power.allocation import PowerProblem, allocate
 from jfto_power.shortage import EnergyShortage

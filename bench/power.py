@@ -14,7 +14,7 @@ import time
 
 import numpy as np
 
-from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.units import dbm_to_w
 from jfto_power.allocation import PowerProblem, allocate
 from jfto_power.kkt import kkt_residual, objective_bps

@@ -26,9 +26,9 @@ from pyvrp.stop import MaxRuntime
 from jfto.planning.problem import plan_uavs, routing_problem
 from jfto.planning.scenario_file import load_scenario
 from jfto.planning.survey import Survey, survey
-from jfto_msgs_py.certificate import Certificate
 from jfto_msgs_py.errors import InfeasibleError
 from jfto_msgs_py.plan_file import rounded
+from jfto_msgs_py.records.certificate import Certificate
 from jfto_msgs_py.scenario import Scenario
 from jfto_planner.routing import RoutingProblem, SearchSettings, build_plan, certify, search
 from jfto_planner.routing.assess import Routes

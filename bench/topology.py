@@ -16,7 +16,7 @@ import sys
 import tempfile
 import time
 
-from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.units import dbm_to_w
 from jfto_topology.algorithms.cpapo import cpapo
 from jfto_topology.algorithms.ctop import ctop, energy_floor

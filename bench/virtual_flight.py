@@ -12,8 +12,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "test"))
 
-from jfto_msgs_py.air import AirReport
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.air import AirReport
+from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.units import w_to_dbm
 from jfto_planner.plan_trajectory import timed_trajectories
 from jfto_sim.air import Air, AirMember, AirSettings

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.units import dbm_to_w
 from jfto_power import PowerProblem, allocate
 from jfto_topology import slot_throughput

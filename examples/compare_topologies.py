@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.units import dbm_to_w
 from jfto_topology import a_lmst, average_hops, connectivity_rate, cpapo, ctop, mtp, slot_throughput
 from jfto_world.radio import make_channel, pairwise_distances

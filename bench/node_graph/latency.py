@@ -10,10 +10,10 @@ import numpy as np
 from geometry_msgs.msg import PoseStamped
 from rosgraph_msgs.msg import Clock
 
+from jfto_msgs_py.records.vehicle import VehiclePose
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.stamps import encode_time
 from jfto_msgs_py.ros.vehicle import encode_pose
-from jfto_msgs_py.vehicle import VehiclePose
 from jfto_world.motion.progress import sample
 from node_graph.watcher import IDS, UAVS, Watcher, domain, graph
 

@@ -20,7 +20,7 @@ from jfto.console.progress import SILENT, Progress
 from jfto.planning.scenario_file import LoadedScenario
 from jfto.planning.scenario_file import load_scenario as _load
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.plan import Plan
 
 if TYPE_CHECKING:
     from jfto.analysis.comparison import Comparison

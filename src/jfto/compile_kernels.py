@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.records.radio import Radio
 from jfto_planner.routing import RoutingProblem
 from jfto_world.motion import ConstantSpeed, MotionLimits
 from jfto_world.radio import Channel, make_channel
@@ -47,7 +47,7 @@ def _terrain() -> None:
 
 
 def _motion() -> None:
-    from jfto_msgs_py.vehicle import TimedTrajectory
+    from jfto_msgs_py.records.vehicle import TimedTrajectory
     from jfto_sim.motion.waypoint_nav import warm_up
     from jfto_world.motion.arducopter import ArduCopter, WpNav, fly_route, plan_target
     from jfto_world.motion.route_progress import RouteProgress

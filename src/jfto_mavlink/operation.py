@@ -38,10 +38,10 @@ from jfto_mavlink.protocol.exchange import Context
 from jfto_mavlink.protocol.setup import rates_for
 from jfto_mavlink.protocol.timesync import PacedClock
 from jfto_msgs_py.errors import PlanError
-from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.plan_file import read_plan
 from jfto_msgs_py.records.event import Event
-from jfto_msgs_py.vehicle import VehiclePose
+from jfto_msgs_py.records.plan import Plan
+from jfto_msgs_py.records.vehicle import VehiclePose
 from jfto_world.motion.arducopter.takeoff import SPOOL_UP_S
 from jfto_world.terrain.frame import LocalFrame
 

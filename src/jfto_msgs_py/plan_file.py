@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from jfto_msgs_py.certificate import Certificate
 from jfto_msgs_py.files import read_text, write_file
-from jfto_msgs_py.plan import PLAN_FORMAT, PLAN_VERSION, Plan, Route, Uav, Waypoint
 from jfto_msgs_py.plan_reader import PLAN, UAV_LIMITS, plan_of_text
+from jfto_msgs_py.records.certificate import Certificate
+from jfto_msgs_py.records.plan import PLAN_FORMAT, PLAN_VERSION, Plan, Route, Uav, Waypoint
 
 # Micrometres and microseconds: finer than any of it can be known, coarse enough that the last
 # digit of a sum does not depend on the machine.

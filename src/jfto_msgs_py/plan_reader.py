@@ -10,10 +10,11 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from jfto_msgs_py.certificate import Certificate
 from jfto_msgs_py.errors import PlanError
 from jfto_msgs_py.files import FileKind, record_of_text
-from jfto_msgs_py.plan import (
+from jfto_msgs_py.records.certificate import Certificate
+from jfto_msgs_py.records.fields import FILLED, MAY_LACK, Range
+from jfto_msgs_py.records.plan import (
     PLAN_FORMAT,
     PLAN_VERSION,
     Origin,
@@ -24,8 +25,7 @@ from jfto_msgs_py.plan import (
     Vector,
     Waypoint,
 )
-from jfto_msgs_py.radio import Radio
-from jfto_msgs_py.records.fields import FILLED, MAY_LACK, Range
+from jfto_msgs_py.records.radio import Radio
 
 PLAN = FileKind(
     "plan",

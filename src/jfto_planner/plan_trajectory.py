@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.plan import Plan
+from jfto_msgs_py.records.vehicle import TimedPath, TimedTrajectory
 from jfto_msgs_py.types import Array
-from jfto_msgs_py.vehicle import TimedPath, TimedTrajectory
 from jfto_planner.smoothing.trajectory import Trajectory
 from jfto_world.motion import ConstantSpeed, MotionLimits, time_model_named
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.types import Array, Flags
 from jfto_power.shortage import affordable_slots, check_energy
 from jfto_power.water_level import fill_rows

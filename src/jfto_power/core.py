@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from jfto_msgs_py.errors import JftoError, MessageError
-from jfto_msgs_py.network import Adjacency, PowerIntervals, PowerSchedule
 from jfto_msgs_py.records.event import Event
+from jfto_msgs_py.records.network import Adjacency, PowerIntervals, PowerSchedule
+from jfto_msgs_py.records.vehicle import TimedTrajectory, VehiclePose
 from jfto_msgs_py.scenario import Scenario
-from jfto_msgs_py.vehicle import TimedTrajectory, VehiclePose
 from jfto_power.energy_account import EnergyAccount
 from jfto_power.horizon import HorizonPower, HorizonRules, from_now_on, plan_horizon
 from jfto_power.options import PowerOptions, served_ids

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import MessageError
-from jfto_msgs_py.network import Adjacency, PowerIntervals, PowerSchedule, SlotHorizon
-from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.records.network import Adjacency, PowerIntervals, PowerSchedule, SlotHorizon
+from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.types import Array
 from jfto_power.allocation import PowerProblem, allocate
 from jfto_power.shortage import EnergyShortage, affordable_slots, check_energy

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jfto_msgs_py.air import AirReport
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.records.air import AirReport
+from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.types import Array, Flags
 from jfto_msgs_py.units import db_to_ratio, dbm_to_w, ratio_to_db
 from jfto_sim.channel import (

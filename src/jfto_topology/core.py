@@ -7,13 +7,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from jfto_msgs_py.air import AirArray
 from jfto_msgs_py.errors import InputError, MessageError
+from jfto_msgs_py.records.air import AirArray
 from jfto_msgs_py.records.event import WARN, Event
+from jfto_msgs_py.records.vehicle import TimedTrajectory, VehiclePose
 from jfto_msgs_py.scenario import Scenario
 from jfto_msgs_py.types import Array, Flags
 from jfto_msgs_py.units import dbm_to_w, ratio_to_db
-from jfto_msgs_py.vehicle import TimedTrajectory, VehiclePose
 from jfto_topology.fleet_events import FleetEvents
 from jfto_topology.flight_watch import FlightWatch
 from jfto_topology.horizon import HorizonSettings, HorizonTopology, TopologyHorizon

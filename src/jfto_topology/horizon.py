@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.network import Adjacency, PowerIntervals, SlotHorizon
+from jfto_msgs_py.records.network import Adjacency, PowerIntervals, SlotHorizon
 from jfto_topology.algorithms.ctop import Topology
 from jfto_topology.links import Links
 from jfto_topology.slot_clock import SlotClock

@@ -11,7 +11,7 @@ from jfto.pipeline.run import Run
 from jfto.planning.routes import plan_routes
 from jfto.planning.scenario_file import load_scenario
 from jfto.planning.survey import Survey, survey
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.plan import Plan
 from support.runs import run_all
 
 TINY = Path(__file__).parents[1] / "data" / "scenario" / "tiny.yaml"

@@ -16,8 +16,8 @@ from jfto_mavlink.io.framing import Framer
 from jfto_mavlink.io.port import Station
 from jfto_mavlink.protocol.exchange import Activity, Context, Exchange, Report
 from jfto_mavlink.protocol.vehicle_state import VehicleState
-from jfto_msgs_py.plan import Origin, Plan, Route, Slots, Uav, Waypoint
-from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.records.plan import Origin, Plan, Route, Slots, Uav, Waypoint
+from jfto_msgs_py.records.radio import Radio
 
 DATA = Path(__file__).parents[1] / "data" / "ardupilot"
 Answer = Callable[[Message, float], Iterable[tuple[float, Message]]]

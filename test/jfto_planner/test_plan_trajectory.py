@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.plan import Plan, Route
+from jfto_msgs_py.records.plan import Plan, Route
 from jfto_msgs_py.scenario import Given, make_scenario
 from jfto_planner.plan_trajectory import timed_paths, timed_trajectories
 from jfto_planner.smoothing import CurveLimits, RouteRequest, smooth_route

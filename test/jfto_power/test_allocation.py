@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jfto_msgs_py.errors import InfeasibleError, InputError
-from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.records.radio import Radio
 from jfto_power.allocation import PowerProblem, allocate, allocate_prefix
 from jfto_power.kkt import kkt_residual, objective_bps
 from jfto_power.reference import ReferenceAllocator

@@ -7,11 +7,11 @@ import pytest
 
 from jfto_msgs_py.core import CoreRun
 from jfto_msgs_py.errors import MessageError
-from jfto_msgs_py.network import Adjacency, PowerIntervals, PowerSchedule, SlotHorizon
-from jfto_msgs_py.radio import Radio
 from jfto_msgs_py.records.event import ERROR, INFO, WARN, Event
+from jfto_msgs_py.records.network import Adjacency, PowerIntervals, PowerSchedule, SlotHorizon
+from jfto_msgs_py.records.radio import Radio
+from jfto_msgs_py.records.vehicle import TimedTrajectory
 from jfto_msgs_py.ros import diagnostics
-from jfto_msgs_py.vehicle import TimedTrajectory
 from jfto_power.core import PowerCore, PowerOutputs
 from jfto_power.energy_account import EnergyAccount
 from jfto_power.horizon import HorizonRules

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from jfto_msgs_py.errors import MessageError
-from jfto_msgs_py.network import Adjacency, PowerIntervals, SlotHorizon
-from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.records.network import Adjacency, PowerIntervals, SlotHorizon
+from jfto_msgs_py.records.radio import Radio
 from jfto_power.horizon import HorizonRules, plan_horizon
 from jfto_world.radio import make_channel
 from support.fleets import at

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.records.radio import Radio
 from jfto_power.allocation import PowerProblem, allocate
 from jfto_power.kkt import kkt_residual, objective_bps
 from jfto_world.radio import noise_w

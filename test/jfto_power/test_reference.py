@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.records.radio import Radio
 from jfto_power.allocation import PowerProblem, allocate
 from jfto_power.kkt import objective_bps
 from jfto_power.reference import ReferenceAllocator

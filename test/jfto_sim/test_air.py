@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.units import dbm_to_w
 from jfto_sim.air import Air, AirMember, AirSettings
 

@@ -7,11 +7,11 @@ from functools import partial
 import numpy as np
 import pytest
 
-from jfto_msgs_py.air import AirArray
 from jfto_msgs_py.core import CoreRun
 from jfto_msgs_py.errors import MessageError
-from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.records.air import AirArray
 from jfto_msgs_py.records.event import ERROR, INFO, WARN, Event
+from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.ros import diagnostics
 from jfto_msgs_py.units import dbm_to_w
 from jfto_sim.air import Air, AirMember, AirSettings

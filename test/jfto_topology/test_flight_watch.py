@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from jfto_msgs_py.records.event import ERROR, INFO, WARN
-from jfto_msgs_py.vehicle import TimedTrajectory, VehiclePose
+from jfto_msgs_py.records.vehicle import TimedTrajectory, VehiclePose
 from jfto_topology.fleet_events import FleetEvents
 from jfto_topology.flight_watch import FlightWatch
 from jfto_topology.horizon import HorizonSettings, TopologyHorizon

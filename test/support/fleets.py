@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from jfto_msgs_py.vehicle import TimedTrajectory, VehiclePose
+from jfto_msgs_py.records.vehicle import TimedTrajectory, VehiclePose
 from jfto_world.motion.fleet_prediction import FleetPrediction
 
 START_NS = 1_763_776_800 * 10**9

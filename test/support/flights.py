@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from jfto.analysis.record import SETPOINT, PowerSteps, RecordedFlight, Track
 from jfto.bag.recorder import BagRecorder
-from jfto_msgs_py.air import AirReport
-from jfto_msgs_py.network import Adjacency, SlotHorizon
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.air import AirReport
 from jfto_msgs_py.records.event import Event
+from jfto_msgs_py.records.network import Adjacency, SlotHorizon
+from jfto_msgs_py.records.plan import Plan
+from jfto_msgs_py.records.vehicle import VehiclePose
 from jfto_msgs_py.ros import topics
 from jfto_msgs_py.ros.air import encode_air
 from jfto_msgs_py.ros.events import encode_event
@@ -22,7 +23,6 @@ from jfto_msgs_py.ros.network import encode_adjacency
 from jfto_msgs_py.ros.stamps import encode_time
 from jfto_msgs_py.ros.vehicle import encode_pose
 from jfto_msgs_py.units import w_to_dbm
-from jfto_msgs_py.vehicle import VehiclePose
 from jfto_planner.plan_trajectory import timed_trajectories
 from jfto_world.motion.progress import sample
 from support.fleets import START_NS

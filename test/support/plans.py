@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from jfto_msgs_py.certificate import Certificate
-from jfto_msgs_py.plan import Origin, Plan, Uav, Waypoint
 from jfto_msgs_py.plan_file import rounded
+from jfto_msgs_py.records.certificate import Certificate
+from jfto_msgs_py.records.plan import Origin, Plan, Uav, Waypoint
 from jfto_msgs_py.scenario import Scenario
 from jfto_planner.routing import build_plan, certify
 

@@ -10,9 +10,9 @@ import numpy as np
 from jfto.analysis.certificate import FlownException
 from jfto.analysis.grid import FINER, FlownGrid, PlannedFlight
 from jfto.analysis.record import RecordedFlight
-from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.records.event import WARN
 from jfto_msgs_py.records.passage import Passage
+from jfto_msgs_py.records.plan import Plan
 
 # An event explains what happens in so many seconds after it, and shortly before it is noticed.
 _BEFORE_S, _AFTER_S = 30.0, 5.0

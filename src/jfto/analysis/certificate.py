@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jfto.analysis.grid import FINER, FlownGrid
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.types import Array, Flags
 from jfto_planner.routing.certificate import Instants, plan_instants
 

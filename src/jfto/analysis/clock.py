@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto.analysis.motion import motions
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.plan import Plan
 
 # This far above its pad a UAV has surely left it, whatever the noise.
 _UP_M = 2.0

@@ -8,7 +8,7 @@ import numpy as np
 
 from jfto.analysis.grid import GAP_S
 from jfto.analysis.record import RecordedFlight, Track
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.plan import Plan
 
 LANDED, AIRBORNE, LOST, UNSEEN = "landed", "still in the air", "lost", "never seen"
 # On its pad a UAV is this near, and this low.

@@ -15,10 +15,10 @@ import numpy as np
 
 from jfto.analysis.comparison import Comparison, LinkMetrics
 from jfto.analysis.paper import PAPER
-from jfto_msgs_py.certificate import Certificate
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.files import write_file
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.certificate import Certificate
+from jfto_msgs_py.records.plan import Plan
 
 if TYPE_CHECKING:
     from jfto.planning.survey import Survey

@@ -24,8 +24,8 @@ from jfto.analysis.network import (
 from jfto.analysis.passages import UavTiming, finished_s, passages_of, timing_of
 from jfto.analysis.record import RecordedFlight
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.records.passage import Passage
+from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.scenario import Scenario
 from jfto_msgs_py.types import Array
 from jfto_world.terrain import Dem

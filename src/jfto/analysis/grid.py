@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from jfto.analysis.record import RecordedFlight, Track
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.types import Array, Flags
 from jfto_planner.routing.certificate import Instants, fly, plan_instants
 

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.signal import savgol_filter
 
 from jfto_msgs_py.errors import InfeasibleError
-from jfto_msgs_py.plan import Plan, Uav
+from jfto_msgs_py.records.plan import Plan, Uav
 from jfto_msgs_py.types import Array
 from jfto_planner.smoothing import Trajectory
 from jfto_world.motion import MotionLimits, time_model_named

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from jfto.analysis.comparison import AlgorithmResult
 from jfto.analysis.grid import FlownGrid
 from jfto.analysis.record import RecordedFlight
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.types import Array, Flags
 from jfto_msgs_py.units import dbm_to_w
 from jfto_topology.metrics import average_hops, connectivity_rate, hop_counts, slot_throughput

@@ -9,8 +9,8 @@ import numpy as np
 
 from jfto.analysis.motion import motions
 from jfto.analysis.record import RecordedFlight, Track
-from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.records.passage import VISITED_M, Passage
+from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.types import Array
 
 # Around its planned time, later by what its forerunner was late, a waypoint is looked for first.

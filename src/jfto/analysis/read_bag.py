@@ -28,9 +28,9 @@ from jfto.bag.contents import BagMessage
 from jfto.bag.errors import BagError
 from jfto.bag.reader import Bag
 from jfto_msgs_py.errors import InputError, MessageError
-from jfto_msgs_py.network import Adjacency, PowerSchedule
-from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.records.event import Event
+from jfto_msgs_py.records.network import Adjacency, PowerSchedule
+from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.ros import topics
 from jfto_msgs_py.ros.air import decode_air_array
 from jfto_msgs_py.ros.diagnostics import OK, Diagnostics, Status, decode_diagnostics

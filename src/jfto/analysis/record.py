@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from jfto_msgs_py.network import Adjacency, PowerSchedule
 from jfto_msgs_py.records.event import Event
+from jfto_msgs_py.records.network import Adjacency, PowerSchedule
 from jfto_msgs_py.types import Array
 
 READ_BACK, SETPOINT, UNKNOWN = "read back from the radio", "setpoint", "not recorded"

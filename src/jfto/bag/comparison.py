@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from jfto_msgs_py.network import SlotHorizon
+from jfto_msgs_py.records.network import SlotHorizon
 from jfto_msgs_py.ros import topics
 from jfto_msgs_py.ros.labels import parse_slot_label
 

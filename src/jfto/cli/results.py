@@ -18,7 +18,7 @@ from jfto.console.progress import Progress
 from jfto.pipeline.directory import FLIGHT_NAME, flight_bags
 from jfto.pipeline.run import Run
 from jfto.planning.scenario_file import LoadedScenario
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.plan import Plan
 
 if TYPE_CHECKING:
     from jfto.flight.job import FlightEnd, FlightJob

@@ -24,8 +24,8 @@ from std_srvs.srv import Trigger
 from jfto.flight.fleet_status import FleetStatus, GraphStatus
 from jfto.flight.screen.tracker import FlightTracker
 from jfto_msgs_py.errors import InputError, MessageError
-from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.records.event import Event
+from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.diagnostics import decode_diagnostics
 from jfto_msgs_py.ros.events import decode_event, encode_event

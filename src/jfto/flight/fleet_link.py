@@ -15,7 +15,7 @@ from jfto_mavlink.fleet.station import StationSettings
 from jfto_mavlink.io.address import free_udp_port, parse_address
 from jfto_mavlink.io.signing import load_signer
 from jfto_mavlink.protocol.timesync import ScaledClock
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.plan import Plan
 from jfto_sim.server import ServerSettings, SimServer
 
 LINK_WAIT_S = 30.0

@@ -23,7 +23,7 @@ from jfto.pipeline.directory import LOG_NAME
 from jfto.supervision.back_off import BackOffSettings
 from jfto.supervision.process import NodeCommand
 from jfto.supervision.supervisor import Death, Supervisor
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.ros.installation import require_ros
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from jfto_msgs_py.ros.installation import RosMissingError, require_ros
 
 if TYPE_CHECKING:
-    from jfto_msgs_py.plan import Plan
+    from jfto_msgs_py.records.plan import Plan
     from jfto_msgs_py.scenario import Scenario
 
 Arguments = Sequence[str] | None

@@ -10,12 +10,12 @@ from geometry_msgs.msg import PoseStamped
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 
 from jfto.node_options import PosePlayerOptions
+from jfto_msgs_py.records.vehicle import VehiclePose
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.diagnostics import OK, WARN, Status
 from jfto_msgs_py.ros.graph_node import GraphNode
 from jfto_msgs_py.ros.vehicle import decode_trajectory, encode_pose
 from jfto_msgs_py.scenario import Scenario
-from jfto_msgs_py.vehicle import VehiclePose
 from jfto_world.motion.progress import sample
 
 

@@ -16,7 +16,7 @@ from jfto.planning.survey import survey
 from jfto.planning.terrain import known_ground
 from jfto.reporting.figures import draw, plan_drawings
 from jfto_msgs_py.files import write_file
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.scenario.mission import EvaluationPart
 from jfto_world.terrain import Dem
 

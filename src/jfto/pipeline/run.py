@@ -34,8 +34,8 @@ from jfto.planning.scenario_file import (
 from jfto.planning.terrain import known_ground
 from jfto_msgs_py.errors import InputError, JftoError, PlanError
 from jfto_msgs_py.files import read_text, write_file
-from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.plan_file import read_plan, write_plan
+from jfto_msgs_py.records.plan import Plan
 
 if TYPE_CHECKING:
     from jfto.analysis.comparison import Comparison

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from jfto.planning.speeds import photo_cap_mps
-from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.plan_file import rounded_record
+from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.scenario import Scenario
 from jfto_msgs_py.types import Array
 from jfto_planner.routing import Estimated, RoutingProblem

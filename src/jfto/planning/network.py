@@ -8,8 +8,8 @@ from functools import partial
 
 import numpy as np
 
-from jfto_msgs_py.plan import Plan
-from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.records.plan import Plan
+from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.types import Array
 from jfto_msgs_py.units import dbm_to_w
 from jfto_power.allocation import Allocation, PowerProblem, allocate, allocate_prefix

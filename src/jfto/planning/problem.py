@@ -8,8 +8,8 @@ from jfto.planning.flight import flight_of
 from jfto.planning.network import energy_floor_of
 from jfto.planning.speeds import fleet_limits
 from jfto.planning.survey import Survey
-from jfto_msgs_py.plan import Uav, Vector
 from jfto_msgs_py.plan_file import rounded_record
+from jfto_msgs_py.records.plan import Uav, Vector
 from jfto_msgs_py.scenario import Scenario
 from jfto_msgs_py.types import Array, Flags
 from jfto_msgs_py.units import dbm_to_w

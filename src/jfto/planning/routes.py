@@ -14,10 +14,10 @@ from jfto.planning.network import energy_floor_of
 from jfto.planning.problem import ground_rule, plan_uavs, routing_problem
 from jfto.planning.speeds import speed_notes
 from jfto.planning.survey import Survey
-from jfto_msgs_py.certificate import Certificate
 from jfto_msgs_py.errors import InputError, PlanError
-from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.plan_file import read_plan, rounded, rounded_waypoint
+from jfto_msgs_py.records.certificate import Certificate
+from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.scenario import Scenario
 from jfto_planner.methods import SEARCH, solve
 from jfto_planner.routing import (

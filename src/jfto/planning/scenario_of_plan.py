@@ -15,8 +15,8 @@ from jfto.planning.scenario_file import (
     read_overrides,
 )
 from jfto_msgs_py.errors import ScenarioError
-from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.plan_file import read_plan
+from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.scenario import Given, make_scenario
 
 _TRAJECTORY_KEYS = {"arducopter": ARDUCOPTER_KEYS, "bezier": CURVE_KEYS}

@@ -10,7 +10,7 @@ from jfto.console.progress import SILENT, Progress
 from jfto.planning.scenario_file import LoadedScenario
 from jfto.planning.terrain import load_ground
 from jfto_msgs_py.errors import WaypointError
-from jfto_msgs_py.plan import Waypoint
+from jfto_msgs_py.records.plan import Waypoint
 from jfto_msgs_py.scenario.camera import CameraPart, CoveragePart
 from jfto_planner.coverage import (
     Camera,

@@ -24,9 +24,9 @@ from jfto.analysis.motion import flight_spread, spread_text
 from jfto.analysis.paper import HEADINGS, PAPER, active_text, beside_paper, number, ratios_text
 from jfto.reporting.palette import uav_colour
 from jfto.reporting.scene import FLOWN, scene_data
-from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.records.event import ERROR, WARN
 from jfto_msgs_py.records.passage import VISITED_M
+from jfto_msgs_py.records.plan import Plan
 from jfto_world.terrain import Dem
 
 # More of these are folded away, or left to the plan file.

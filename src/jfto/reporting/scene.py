@@ -13,7 +13,7 @@ from jfto.analysis.motion import motions
 from jfto.analysis.record import Track
 from jfto.reporting.figures.map import drawn_extent, sampled_ground
 from jfto.reporting.palette import uav_colour
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.types import Array, Flags
 from jfto_msgs_py.units import dbm_to_w, ratio_to_db
 from jfto_world.terrain import Dem

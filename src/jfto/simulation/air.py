@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.scenario.simulation import SimulationPart
 from jfto_sim.air import Air, AirMember, AirSettings, FleetAir, Ground
 from jfto_world.terrain import Dem

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 
 from jfto.simulation.air import hesitations_s
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.scenario.simulation import SimulationPart
 from jfto_sim import VehicleConfig
 from jfto_sim.server import SimServer

@@ -25,7 +25,7 @@ from jfto_mavlink.flight.preflight import GateSettings
 from jfto_mavlink.mission.deliver import verify
 from jfto_mavlink.protocol.exchange import Context, Exchange, wait_until
 from jfto_mavlink.protocol.vehicle_state import VehicleState
-from jfto_msgs_py.vehicle import TimedTrajectory
+from jfto_msgs_py.records.vehicle import TimedTrajectory
 
 # After this long the heartbeat shows whether a start under way has armed a vehicle.
 SETTLE_S = 1.5

@@ -19,8 +19,8 @@ from jfto_mavlink.guided.stream import ekf_frame, stream, take_off
 from jfto_mavlink.guided.target import HeadingPlan, MapFrame
 from jfto_mavlink.protocol.command import set_mode
 from jfto_mavlink.protocol.exchange import Context, Exchange
-from jfto_msgs_py.plan import Plan
-from jfto_msgs_py.vehicle import TimedTrajectory
+from jfto_msgs_py.records.plan import Plan
+from jfto_msgs_py.records.vehicle import TimedTrajectory
 from jfto_world.terrain.frame import LocalFrame
 
 # From the order to take off until the hover, 10 m up.

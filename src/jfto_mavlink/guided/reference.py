@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_mavlink.errors import MissionError
+from jfto_msgs_py.records.vehicle import TimedTrajectory
 from jfto_msgs_py.types import Array
-from jfto_msgs_py.vehicle import TimedTrajectory
 
 # Samples this close are of a smooth curve; farther apart they are corners of straight legs.
 SMOOTH_S = 1.0

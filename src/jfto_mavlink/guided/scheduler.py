@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from jfto_mavlink.guided.reference import Joining, Reference, reference
+from jfto_msgs_py.records.vehicle import TimedTrajectory
 from jfto_msgs_py.types import Array
-from jfto_msgs_py.vehicle import TimedTrajectory
 
 
 @dataclass(frozen=True)

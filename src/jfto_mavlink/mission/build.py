@@ -21,7 +21,7 @@ from jfto_mavlink.mission.limits import Ground, check_clearance, check_limits, r
 from jfto_mavlink.mission.settings import MissionSettings, check_as_planned
 from jfto_mavlink.mission.stored import mission_hash
 from jfto_mavlink.protocol.item import FRAME_ABSOLUTE, FRAME_HOME, FRAME_NONE, Item, Mission, at
-from jfto_msgs_py.plan import Plan, Route, Uav, Waypoint
+from jfto_msgs_py.records.plan import Plan, Route, Uav, Waypoint
 from jfto_world.motion import MotionLimits
 from jfto_world.motion.arducopter import ArduCopter
 from jfto_world.terrain.frame import LocalFrame

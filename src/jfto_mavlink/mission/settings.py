@@ -7,7 +7,7 @@ from typing import Any
 
 from jfto_mavlink.errors import MissionError
 from jfto_mavlink.mission.limits import MissionLimits
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.plan import Plan
 from jfto_world.motion.arducopter import ArduCopter
 
 STYLES = ("fly_through", "hold")

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from jfto_msgs_py.air import AirArray, AirReport
 from jfto_msgs_py.errors import MessageError
+from jfto_msgs_py.records.air import AirArray, AirReport
 from jfto_msgs_py.ros import labels, multi_array, topics
 
 # Topic of each array of a report.

@@ -10,11 +10,11 @@ from geometry_msgs.msg import PoseStamped
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 
 from jfto_msgs_py.core import Core, Made
+from jfto_msgs_py.records.vehicle import TimedTrajectory, VehiclePose
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.graph_node import GraphNode
 from jfto_msgs_py.ros.intake import Input
 from jfto_msgs_py.ros.vehicle import decode_pose, decode_trajectory
-from jfto_msgs_py.vehicle import TimedTrajectory, VehiclePose
 
 Options = TypeVar("Options")
 _LATER_S = 3600.0

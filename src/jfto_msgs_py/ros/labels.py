@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from jfto_msgs_py.errors import MessageError
-from jfto_msgs_py.network import SlotHorizon
+from jfto_msgs_py.records.network import SlotHorizon
 
 BOUND_LABEL = "bound;min,max;unit=W"
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from jfto_msgs_py.errors import MessageError
-from jfto_msgs_py.network import Adjacency, PowerIntervals, PowerSchedule
+from jfto_msgs_py.records.network import Adjacency, PowerIntervals, PowerSchedule
 from jfto_msgs_py.ros import labels, multi_array
 
 

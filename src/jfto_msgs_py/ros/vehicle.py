@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import MessageError
+from jfto_msgs_py.records.vehicle import TimedPath, TimedTrajectory, VehiclePose
 from jfto_msgs_py.ros.orientation import decode_heading, encode_heading
 from jfto_msgs_py.ros.stamps import decode_duration, decode_time, encode_duration, encode_time
 from jfto_msgs_py.ros.topics import MAP_FRAME
-from jfto_msgs_py.vehicle import TimedPath, TimedTrajectory, VehiclePose
 
 
 def encode_path(path: TimedPath) -> Any:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from jfto_msgs_py.radio import CHANNEL_MODELS, NOISE_READINGS, Radio
+from jfto_msgs_py.records.radio import CHANNEL_MODELS, NOISE_READINGS, Radio
 from jfto_msgs_py.scenario.key import param
 
 # Short-hand keys and the keys that they set.

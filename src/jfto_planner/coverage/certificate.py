@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.plan import Waypoint
+from jfto_msgs_py.records.plan import Waypoint
 from jfto_msgs_py.types import Array
 from jfto_planner.coverage.camera import Camera
 from jfto_world.terrain import Dem

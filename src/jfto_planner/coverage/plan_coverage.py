@@ -10,7 +10,7 @@ import numpy as np
 from scipy import ndimage
 
 from jfto_msgs_py.errors import InfeasibleError
-from jfto_msgs_py.plan import Vector, Waypoint
+from jfto_msgs_py.records.plan import Vector, Waypoint
 from jfto_msgs_py.types import Array
 from jfto_planner.coverage.aim import aim
 from jfto_planner.coverage.camera import Camera

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.plan import Waypoint
+from jfto_msgs_py.records.plan import Waypoint
 from jfto_world.terrain import Dem
 
 KINDS = ("uniform", "gaussian")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from jfto_msgs_py.errors import TerrainError, WaypointError
-from jfto_msgs_py.plan import Vector
+from jfto_msgs_py.records.plan import Vector
 from jfto_world.terrain import Dem
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from jfto_msgs_py.errors import WaypointError
-from jfto_msgs_py.plan import Waypoint
+from jfto_msgs_py.records.plan import Waypoint
 from jfto_planner.coverage.check_waypoints import check_waypoints
 from jfto_planner.coverage.file_csv import read_csv
 from jfto_planner.coverage.file_geojson import read_geojson

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable
 
 from jfto_msgs_py.errors import JftoError
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.plan import Plan
 
 # Hears of progress, 0 to 1, with a note; raises to call the planning off.
 Progress = Callable[[float, str], None]

@@ -14,11 +14,11 @@ from std_srvs.srv import Trigger
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 
 from jfto_msgs_py.errors import InfeasibleError, InputError, JftoError, MessageError, PlanError
-from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.plan_file import read_plan, write_plan
 from jfto_msgs_py.records.event import INFO as TOLD
 from jfto_msgs_py.records.event import WARN as WARNED
 from jfto_msgs_py.records.event import Event
+from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.diagnostics import ERROR, OK, WARN, Status
 from jfto_msgs_py.ros.graph_node import GraphNode

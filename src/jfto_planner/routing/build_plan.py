@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from jfto_msgs_py.plan import Origin, Plan, Route, Slots, Uav, Waypoint
 from jfto_msgs_py.plan_file import rounded_record
-from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.records.plan import Origin, Plan, Route, Slots, Uav, Waypoint
+from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.types import Array
 from jfto_planner.smoothing.trajectory import Trajectory
 from jfto_world.motion import MotionLimits, TimeModel, time_model_named

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.plan import Origin, Plan, Uav, Waypoint
-from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.records.plan import Origin, Plan, Uav, Waypoint
+from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.units import dbm_to_w, w_to_dbm
 from jfto_planner.routing.build_plan import build_plan
 from jfto_planner.routing.problem import RoutingProblem

@@ -8,8 +8,8 @@ from statistics import median
 import numpy as np
 from numpy.typing import NDArray
 
+from jfto_msgs_py.records.vehicle import TimedTrajectory, VehiclePose
 from jfto_msgs_py.types import Array
-from jfto_msgs_py.vehicle import TimedTrajectory, VehiclePose
 from jfto_world.motion.progress import sample
 from jfto_world.motion.route_progress import RouteProgress
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from jfto_msgs_py.clock_watch import ClockWatch
 from jfto_msgs_py.errors import MessageError
-from jfto_msgs_py.vehicle import TimedTrajectory, VehiclePose
+from jfto_msgs_py.records.vehicle import TimedTrajectory, VehiclePose
 from jfto_world.motion.fleet_prediction import FleetPrediction
 
 # By how much the clocks of two computers may differ.

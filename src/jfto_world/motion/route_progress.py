@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jfto_msgs_py.records.vehicle import TimedTrajectory
 from jfto_msgs_py.types import Array
-from jfto_msgs_py.vehicle import TimedTrajectory
 from jfto_world.motion.progress import passes, progress_time
 
 # How well a position is known, and how a UAV's clock along its route may wander, s and s per s.

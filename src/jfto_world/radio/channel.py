@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.types import Array
 from jfto_msgs_py.units import SPEED_OF_LIGHT_MPS, db_to_ratio
 

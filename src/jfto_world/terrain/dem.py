@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jfto_msgs_py.errors import TerrainError
-from jfto_msgs_py.plan import Origin
+from jfto_msgs_py.records.plan import Origin
 from jfto_msgs_py.types import Array
 from jfto_world.terrain.cubic_surface import CubicSurface
 from jfto_world.terrain.frame import LocalFrame

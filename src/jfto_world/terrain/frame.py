@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pyproj import Transformer
 
-from jfto_msgs_py.plan import Origin
+from jfto_msgs_py.records.plan import Origin
 from jfto_msgs_py.types import Array
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from jfto_msgs_py.errors import TerrainError
-from jfto_msgs_py.plan import Origin
+from jfto_msgs_py.records.plan import Origin
 from jfto_msgs_py.types import Array
 from jfto_world.terrain.cubic_surface import CubicSurface
 from jfto_world.terrain.dem import Dem

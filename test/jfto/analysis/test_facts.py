@@ -13,8 +13,8 @@ from jfto.analysis.grid import FINER, slot_starts
 from jfto.analysis.record import AirLog, RecordedFlight
 from jfto.pipeline.run import Run
 from jfto.planning.survey import Survey
-from jfto_msgs_py.network import Adjacency, SlotHorizon
 from jfto_msgs_py.records.event import ERROR, WARN, Event
+from jfto_msgs_py.records.network import Adjacency, SlotHorizon
 from support.fleets import START_NS
 from support.flights import Flaws, recorded
 

@@ -9,7 +9,7 @@ import pytest
 
 from jfto.analysis.motion import flight_spread, motions, spread_text
 from jfto.pipeline.run import Run
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.plan import Plan
 
 
 def test_flights_are_where_the_plan_says(tiny_run: tuple[Path, Run], tiny_guided: Plan) -> None:

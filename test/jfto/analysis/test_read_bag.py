@@ -12,10 +12,10 @@ from jfto.analysis.read_bag import read_flight
 from jfto.analysis.record import READ_BACK, SETPOINT
 from jfto.bag.errors import BagError
 from jfto.pipeline.run import Run
-from jfto_msgs_py.air import AirReport
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.air import AirReport
 from jfto_msgs_py.records.event import WARN, Event
+from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.ros import topics
 from support.fleets import START_NS
 from support.flights import FlightBag, tracks_of

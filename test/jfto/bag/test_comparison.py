@@ -9,7 +9,7 @@ import pytest
 from std_msgs.msg import Float64
 
 from jfto.bag.comparison import Stamped, compare_topic
-from jfto_msgs_py.network import Adjacency, PowerSchedule, SlotHorizon
+from jfto_msgs_py.records.network import Adjacency, PowerSchedule, SlotHorizon
 from jfto_msgs_py.ros import topics
 from jfto_msgs_py.ros.network import encode_adjacency, encode_power_schedule
 

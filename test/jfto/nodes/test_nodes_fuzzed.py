@@ -12,7 +12,7 @@ from rclpy.serialization import serialize_message
 from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 
-from jfto_msgs_py.network import Adjacency, PowerIntervals, SlotHorizon
+from jfto_msgs_py.records.network import Adjacency, PowerIntervals, SlotHorizon
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.network import encode_adjacency, encode_power_intervals
 from jfto_msgs_py.ros.vehicle import encode_pose, encode_trajectory

@@ -16,8 +16,8 @@ from jfto.simulation.air import hesitations_s
 from jfto.simulation.fleet import FleetTime, vehicle_configs
 from jfto_mavlink.io.address import free_udp_port
 from jfto_msgs_py.errors import JftoError
-from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.plan_file import write_plan
+from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.air import ARRAY_OF_TOPIC as AIR
 from jfto_msgs_py.ros.air import decode_air

@@ -16,8 +16,8 @@ from jfto.planning.routes import certify_plan
 from jfto.planning.scenario_file import load_scenario
 from jfto.planning.survey import Survey
 from jfto_msgs_py.errors import PlanError
-from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.plan_file import plan_text, rounded
+from jfto_msgs_py.records.plan import Plan
 
 
 @pytest.mark.parametrize(

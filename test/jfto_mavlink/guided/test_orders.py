@@ -17,7 +17,7 @@ from jfto_mavlink.guided.reference import reference
 from jfto_mavlink.guided.scheduler import GuidedSettings
 from jfto_mavlink.mission.build import build_missions
 from jfto_mavlink.mission.settings import MissionSettings
-from jfto_msgs_py.vehicle import TimedTrajectory
+from jfto_msgs_py.records.vehicle import TimedTrajectory
 from jfto_world.terrain.frame import LocalFrame
 
 SPEEDUP = 10.0

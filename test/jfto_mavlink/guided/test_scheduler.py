@@ -17,8 +17,8 @@ from jfto_mavlink.guided.reference import (
 )
 from jfto_mavlink.guided.scheduler import GuidedSettings, Scheduler
 from jfto_mavlink.guided.target import TURN_DPS, EkfFrame, HeadingPlan, MapFrame
-from jfto_msgs_py.plan import Origin
-from jfto_msgs_py.vehicle import TimedTrajectory
+from jfto_msgs_py.records.plan import Origin
+from jfto_msgs_py.records.vehicle import TimedTrajectory
 from jfto_world.terrain.frame import LocalFrame
 
 START_NS = 1_763_776_800 * 10**9

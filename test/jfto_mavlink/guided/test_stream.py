@@ -12,8 +12,8 @@ from jfto_mavlink.guided.scheduler import GuidedSettings, Scheduler
 from jfto_mavlink.guided.stream import ekf_frame, stream, take_off
 from jfto_mavlink.guided.target import HeadingPlan, MapFrame
 from jfto_mavlink.protocol.command import set_mode
-from jfto_msgs_py.plan import Origin
-from jfto_msgs_py.vehicle import TimedTrajectory
+from jfto_msgs_py.records.plan import Origin
+from jfto_msgs_py.records.vehicle import TimedTrajectory
 from jfto_sim import LinkFaults, Vehicle, VehicleConfig
 from jfto_world.terrain.frame import LocalFrame
 from support.rehearsal import Rehearsal

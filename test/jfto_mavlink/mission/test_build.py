@@ -12,7 +12,7 @@ from jfto_mavlink.errors import MissionError
 from jfto_mavlink.mission.build import build_missions
 from jfto_mavlink.mission.limits import MissionLimits
 from jfto_mavlink.mission.settings import MissionSettings, settings_for
-from jfto_msgs_py.plan import Route
+from jfto_msgs_py.records.plan import Route
 from jfto_world.terrain.frame import LocalFrame
 
 WP, TAKEOFF, RTL = 16, 22, 20

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from jfto_msgs_py.air import AirReport
 from jfto_msgs_py.errors import MessageError
+from jfto_msgs_py.records.air import AirReport
 from jfto_msgs_py.ros import topics
 from jfto_msgs_py.ros.air import decode_air, encode_air
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jfto_msgs_py.errors import MessageError
-from jfto_msgs_py.network import Adjacency, PowerIntervals, PowerSchedule, SlotHorizon
+from jfto_msgs_py.records.network import Adjacency, PowerIntervals, PowerSchedule, SlotHorizon
 from jfto_msgs_py.ros.network import (
     decode_adjacency,
     decode_power_intervals,

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jfto_msgs_py.errors import MessageError
+from jfto_msgs_py.records.vehicle import TimedPath, TimedTrajectory, VehiclePose
 from jfto_msgs_py.ros.orientation import decode_heading, encode_heading
 from jfto_msgs_py.ros.vehicle import (
     decode_path,
@@ -17,7 +18,6 @@ from jfto_msgs_py.ros.vehicle import (
     encode_pose,
     encode_trajectory,
 )
-from jfto_msgs_py.vehicle import TimedPath, TimedTrajectory, VehiclePose
 
 START_NS = 1763776800_250000001
 

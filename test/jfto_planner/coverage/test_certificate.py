@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from jfto_msgs_py.plan import Origin, Waypoint
+from jfto_msgs_py.records.plan import Origin, Waypoint
 from jfto_planner.coverage import Camera, certify_coverage
 from jfto_world.terrain import CubicSurface, Dem
 

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jfto_msgs_py.errors import InfeasibleError, InputError
-from jfto_msgs_py.plan import Origin
+from jfto_msgs_py.records.plan import Origin
 from jfto_planner.coverage import Camera, CoverageSettings, plan_coverage
 from jfto_planner.coverage.lattice import surface_lattice
 from jfto_world.terrain import CubicSurface, Dem, load_dem

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from jfto_msgs_py.plan import Origin, Plan, Uav, Waypoint
-from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.records.plan import Origin, Plan, Uav, Waypoint
+from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.units import dbm_to_w
 from jfto_planner.routing import RoutingProblem, build_plan
 from jfto_world.motion import ConstantSpeed, MotionLimits

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.records.radio import Radio
 from jfto_power.drivers import IwDriver, LogDriver, RadioError, SimDriver
 from jfto_sim import VehicleConfig
 from jfto_sim.air import Air, AirMember, FleetAir

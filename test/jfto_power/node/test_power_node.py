@@ -12,8 +12,8 @@ from std_msgs.msg import Float64, Float64MultiArray, UInt8MultiArray
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.network import Adjacency, PowerIntervals, SlotHorizon
 from jfto_msgs_py.records.event import ERROR, Event
+from jfto_msgs_py.records.network import Adjacency, PowerIntervals, SlotHorizon
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.events import decode_event
 from jfto_msgs_py.ros.network import (

@@ -9,8 +9,8 @@ from rcl_interfaces.msg import Log
 from std_msgs.msg import Float64
 
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.radio import Radio
 from jfto_msgs_py.records.event import ERROR, INFO
+from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.events import decode_event
 from jfto_power.node.radio_node import RadioNode

@@ -11,8 +11,8 @@ from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 from visualization_msgs.msg import Marker, MarkerArray
 
-from jfto_msgs_py.radio import Radio
 from jfto_msgs_py.records.event import Event
+from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.air import encode_air
 from jfto_msgs_py.ros.events import decode_event

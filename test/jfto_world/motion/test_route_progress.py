@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from jfto_msgs_py.vehicle import TimedTrajectory
+from jfto_msgs_py.records.vehicle import TimedTrajectory
 from jfto_world.motion.progress import sample
 from jfto_world.motion.route_progress import RouteProgress
 from support.fleets import START_NS

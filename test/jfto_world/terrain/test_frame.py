@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jfto_msgs_py.plan import Origin
+from jfto_msgs_py.records.plan import Origin
 from jfto_world.terrain import LocalFrame
 
 SEMI_MAJOR_M, FLATTENING = 6378137.0, 1 / 298.257223563

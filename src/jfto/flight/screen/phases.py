@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto.flight.screen.state import FLYING, HOLDING, HOME, LANDED, PAD, SILENT, UNHEARD, UavState
-from jfto_msgs_py.plan import Plan
-from jfto_msgs_py.vehicle import VehiclePose
+from jfto_msgs_py.records.plan import Plan
+from jfto_msgs_py.records.vehicle import VehiclePose
 
 IN_THE_AIR = frozenset({FLYING, HOLDING, HOME})
 LINKED = frozenset({PAD, FLYING, HOLDING, HOME})

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from jfto.flight.screen import phases
 from jfto.flight.screen.state import FlightState, LinkState, UavState
-from jfto_msgs_py.network import Adjacency
-from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.records.event import Event
+from jfto_msgs_py.records.network import Adjacency
+from jfto_msgs_py.records.plan import Plan
+from jfto_msgs_py.records.vehicle import VehiclePose
 from jfto_msgs_py.units import dbm_to_w, ratio_to_db
-from jfto_msgs_py.vehicle import VehiclePose
 from jfto_planner.plan_trajectory import timed_trajectories
 from jfto_power.energy_account import EnergyAccount
 from jfto_topology.metrics import components

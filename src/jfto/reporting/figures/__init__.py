@@ -16,7 +16,7 @@ from jfto.reporting.figures.routes import flown_map, route_map
 from jfto.reporting.figures.safety import flown_certificate, flown_events
 from jfto.reporting.figures.style import save
 from jfto.reporting.figures.topology import topology_panels
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.plan import Plan
 from jfto_world.terrain import Dem
 
 Drawings = Mapping[str, Callable[[], Figure]]

@@ -10,7 +10,7 @@ from matplotlib.patches import Rectangle
 from matplotlib.transforms import ScaledTranslation, Transform
 
 from jfto.reporting.figures.style import PAGE_WIDTH_IN, new_figure
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.types import Array
 from jfto_world.terrain import Dem
 

@@ -21,7 +21,7 @@ from jfto.reporting.figures.style import (
     rule,
     styled,
 )
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.plan import Plan
 
 
 @styled

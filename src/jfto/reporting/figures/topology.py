@@ -15,7 +15,7 @@ from jfto.reporting.figures.style import (
     uav_style,
 )
 from jfto.reporting.palette import uav_colour
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.plan import Plan
 from jfto_world.terrain import Dem
 
 

@@ -12,9 +12,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from jfto_msgs_py.certificate import Certificate, Violation
 from jfto_msgs_py.errors import PlanError
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.certificate import Certificate, Violation
+from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.types import Array
 from jfto_msgs_py.units import dbm_to_w, ratio_to_db
 from jfto_planner.routing.certificate.between import check_between

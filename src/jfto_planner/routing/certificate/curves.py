@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from jfto_msgs_py.certificate import Violation
 from jfto_msgs_py.errors import PlanError
-from jfto_msgs_py.plan import Plan, Uav
+from jfto_msgs_py.records.certificate import Violation
+from jfto_msgs_py.records.plan import Plan, Uav
 from jfto_msgs_py.types import Array
 
 GRAVITY_MPS2 = 9.80665

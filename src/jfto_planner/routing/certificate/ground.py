@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jfto_msgs_py.certificate import Violation
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.certificate import Violation
+from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.types import Array
 from jfto_planner.routing.certificate.routes import fly
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jfto_msgs_py.certificate import Violation
 from jfto_msgs_py.errors import PlanError
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.certificate import Violation
+from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.types import Array
 from jfto_planner.routing.certificate.curves import check_curves, curves_of
 from jfto_world.motion import MotionLimits, time_model_named

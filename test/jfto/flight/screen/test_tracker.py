@@ -11,10 +11,10 @@ from jfto.flight.screen import texts
 from jfto.flight.screen.state import FLYING, HOLDING, LANDED, PAD, SILENT, UNHEARD
 from jfto.flight.screen.tracker import FlightTracker
 from jfto.pipeline.run import Run
-from jfto_msgs_py.network import Adjacency, SlotHorizon
-from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.records.event import WARN, Event
-from jfto_msgs_py.vehicle import VehiclePose
+from jfto_msgs_py.records.network import Adjacency, SlotHorizon
+from jfto_msgs_py.records.plan import Plan
+from jfto_msgs_py.records.vehicle import VehiclePose
 from jfto_planner.plan_trajectory import timed_trajectories
 from jfto_world.motion.progress import sample
 

@@ -18,8 +18,8 @@ from jfto.planning.survey import Survey
 from jfto.reporting.figures import draw, flight_drawings, plan_drawings
 from jfto.reporting.figures.map import nice_length
 from jfto.reporting.figures.motion import flight_profiles
-from jfto_msgs_py.plan import Plan
 from jfto_msgs_py.records.event import ERROR, WARN, Event
+from jfto_msgs_py.records.plan import Plan
 from support.fleets import START_NS
 from support.flights import Flaws, recorded
 

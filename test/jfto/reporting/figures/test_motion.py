@@ -9,7 +9,7 @@ import pytest
 from jfto.planning.survey import Survey
 from jfto.reporting.figures.motion import flight_profiles
 from jfto.reporting.palette import uav_colour
-from jfto_msgs_py.plan import Plan
+from jfto_msgs_py.records.plan import Plan
 
 
 @pytest.mark.parametrize(("model", "columns"), [("bezier", 4), ("constant_speed", 2)])

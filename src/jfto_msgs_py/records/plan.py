@@ -9,9 +9,9 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jfto_msgs_py.certificate import Certificate
-from jfto_msgs_py.radio import Radio
+from jfto_msgs_py.records.certificate import Certificate
 from jfto_msgs_py.records.fields import Range
+from jfto_msgs_py.records.radio import Radio
 
 Vector = tuple[float, float, float]
 
