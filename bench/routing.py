@@ -30,7 +30,14 @@ from jfto_msgs_py.errors import InfeasibleError
 from jfto_msgs_py.plan_file import rounded
 from jfto_msgs_py.records.certificate import Certificate
 from jfto_msgs_py.scenario import Scenario
-from jfto_planner.routing import RoutingProblem, SearchSettings, build_plan, certify, search
+from jfto_planner.routing import (
+    PlanTerms,
+    RoutingProblem,
+    SearchSettings,
+    build_plan,
+    certify,
+    search,
+)
 from jfto_planner.routing.assess import Routes
 
 SCALE = 100
@@ -77,18 +84,20 @@ def certificate_of(
     """Certificate of the plan that routes amount to, as it would be read back from its file."""
     plan = build_plan(
         routes,
-        waypoints=found.waypoints,
-        uavs=plan_uavs(scenario, problem.starts_m),
-        slot_count=problem.slot_count,
-        horizon_s=problem.horizon_s,
-        k_min=problem.k_min,
-        delta=scenario.network.delta,
-        d_min_m=problem.d_min_m,
-        length_max_m=problem.length_max_m,
-        radio=scenario.radio.record(),
-        origin=found.dem.origin,
-        scenario_hash=scenario.scenario_hash(),
-        seed=0,
+        PlanTerms(
+            waypoints=found.waypoints,
+            uavs=plan_uavs(scenario, problem.starts_m),
+            slot_count=problem.slot_count,
+            horizon_s=problem.horizon_s,
+            k_min=problem.k_min,
+            delta=scenario.network.delta,
+            d_min_m=problem.d_min_m,
+            length_max_m=problem.length_max_m,
+            radio=scenario.radio.record(),
+            origin=found.dem.origin,
+            scenario_hash=scenario.scenario_hash(),
+            seed=0,
+        ),
     )
     return certify(rounded(plan), problem.energy_floor)
 

@@ -22,6 +22,7 @@ from jfto_msgs_py.scenario import Scenario
 from jfto_planner.methods import SEARCH, solve
 from jfto_planner.routing import (
     Estimated,
+    PlanTerms,
     RoutingProblem,
     SearchResult,
     SearchSettings,
@@ -161,26 +162,22 @@ def _as_flown(
 ) -> Plan:
     """Plan of routes as they will be flown, exactly as it will be read back."""
     mission, network = scenario.mission, scenario.network
-    return rounded(
-        build_plan(
-            routes,
-            waypoints=found.waypoints,
-            uavs=plan_uavs(scenario, problem.starts_m),
-            slot_count=mission.slot_count,
-            horizon_s=mission.horizon_s or None,
-            k_min=network.k_min,
-            delta=network.delta,
-            d_min_m=mission.d_min_m,
-            length_max_m=mission.length_max_m,
-            radio=scenario.radio.record(),
-            origin=found.dem.origin,
-            scenario_hash=scenario.scenario_hash(),
-            seed=scenario.search.seed,
-            time_model=flight.name,
-            time_parameters=flight.parameters,
-            trajectories=flight.trajectories(problem, routes, scenario.fleet.ids, found.dem.height),
-        )
+    terms = PlanTerms(
+        scenario_hash=scenario.scenario_hash(),
+        seed=scenario.search.seed,
+        origin=found.dem.origin,
+        radio=scenario.radio.record(),
+        k_min=network.k_min,
+        delta=network.delta,
+        d_min_m=mission.d_min_m,
+        length_max_m=mission.length_max_m,
+        slot_count=mission.slot_count,
+        horizon_s=mission.horizon_s or None,
+        waypoints=found.waypoints,
+        uavs=plan_uavs(scenario, problem.starts_m),
     )
+    curves = flight.trajectories(problem, routes, scenario.fleet.ids, found.dem.height)
+    return rounded(build_plan(routes, terms, flight.name, flight.parameters, curves))
 
 
 def certify_plan(plan: Plan, ground: GroundRule | None = None) -> Certificate:

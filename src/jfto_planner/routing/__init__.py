@@ -1,9 +1,8 @@
 """The routing problem (P1), its search and the certificate of a plan."""
 
-from jfto_planner.routing.build_plan import build_plan
+from jfto_planner.routing.build_plan import PlanTerms, build_plan, plan_of
 from jfto_planner.routing.certificate import certify
 from jfto_planner.routing.estimated import Calibrated, Estimated, calibrated
-from jfto_planner.routing.plan_of import plan_of
 from jfto_planner.routing.problem import RoutingProblem
 from jfto_planner.routing.search import SearchResult, search
 from jfto_planner.routing.settings import SearchSettings
@@ -13,6 +12,7 @@ __all__ = [
     "Calibrated",
     "Cure",
     "Estimated",
+    "PlanTerms",
     "RoutingProblem",
     "SearchResult",
     "SearchSettings",

@@ -1,47 +1,64 @@
-"""From routes to the plan record."""
+"""From routes to the plan record: of a scenario's, or of routes that were found for arrays."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.plan_file import rounded_record
-from jfto_msgs_py.records.plan import Origin, Plan, Route, Slots, Uav, Waypoint
+from jfto_msgs_py.records.plan import Origin, Plan, Route, Slots, Uav, Vector, Waypoint
 from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.types import Array
+from jfto_msgs_py.units import dbm_to_w, w_to_dbm
+from jfto_planner.routing.problem import RoutingProblem
 from jfto_planner.smoothing.trajectory import Trajectory
-from jfto_world.motion import MotionLimits, TimeModel, time_model_named
+from jfto_world.motion import ConstantSpeed, MotionLimits, TimeModel, time_model_named
+from jfto_world.radio import make_channel
 
 # Arrivals at pad and waypoints, and positions at given times.
 _Flight = tuple[Array, Callable[[Array], Array]]
+# Of a fleet whose radios' energy is not known.
+ANY_ENERGY_J = 1e9
+
+
+@dataclass(frozen=True)
+class PlanTerms:
+    """What a plan says whatever its routes are; lengths in m, ENU about `origin`.
+
+    Slots divide `horizon_s`, or the makespan where it is None, into `slot_count`.
+    """
+
+    scenario_hash: str
+    seed: int
+    origin: Origin
+    radio: Radio
+    k_min: int
+    delta: int
+    d_min_m: float
+    length_max_m: float
+    slot_count: int
+    horizon_s: float | None
+    waypoints: tuple[Waypoint, ...]
+    uavs: tuple[Uav, ...]
 
 
 def build_plan(
     routes: Sequence[Sequence[int]],
-    *,
-    waypoints: tuple[Waypoint, ...],
-    uavs: tuple[Uav, ...],
-    slot_count: int,
-    horizon_s: float | None,
-    k_min: int,
-    delta: int,
-    d_min_m: float,
-    length_max_m: float,
-    radio: Radio,
-    origin: Origin,
-    scenario_hash: str,
-    seed: int,
+    terms: PlanTerms,
     time_model: str = "constant_speed",
     time_parameters: Mapping[str, float] | None = None,
     trajectories: Sequence[Trajectory] = (),
 ) -> Plan:
-    """Plan of routes given as indices into `waypoints`, one route per UAV.
+    """Plan of routes given as indices into the waypoints of `terms`, one route per UAV.
 
     Arrivals and positions follow from the named time model, or from `trajectories`, one per UAV,
-    where they are given; lengths are those of straight legs. Slots divide `horizon_s`, or the
-    makespan where it is None. Raises InputError for an unknown time model.
+    where they are given; lengths are those of straight legs. Raises InputError for an unknown time
+    model.
     """
+    waypoints, uavs = terms.waypoints, terms.uavs
     records = tuple(rounded_record(trajectory.as_record()) for trajectory in trajectories)
     parameters: dict[str, float] = rounded_record(dict(time_parameters or {}))
     flights: list[_Flight] = []
@@ -54,17 +71,19 @@ def build_plan(
     else:
         model = time_model_named(time_model, parameters)
         flights = [_by_model(model, line, uav) for line, uav in zip(lines, uavs, strict=True)]
-    horizon = max(float(arrival[-1]) for arrival, _ in flights) if horizon_s is None else horizon_s
-    slots = Slots(slot_count, horizon / slot_count)
+    horizon_s = terms.horizon_s
+    if horizon_s is None:
+        horizon_s = max(float(arrival[-1]) for arrival, _ in flights)
+    slots = Slots(terms.slot_count, horizon_s / terms.slot_count)
     return Plan(
-        scenario_hash=scenario_hash,
-        seed=seed,
-        origin=origin,
-        radio=radio,
-        k_min=k_min,
-        delta=delta,
-        d_min_m=d_min_m,
-        length_max_m=length_max_m,
+        scenario_hash=terms.scenario_hash,
+        seed=terms.seed,
+        origin=terms.origin,
+        radio=terms.radio,
+        k_min=terms.k_min,
+        delta=terms.delta,
+        d_min_m=terms.d_min_m,
+        length_max_m=terms.length_max_m,
         slots=slots,
         waypoints=waypoints,
         uavs=uavs,
@@ -90,3 +109,93 @@ def _on_curve(trajectory: Trajectory) -> _Flight:
 def _by_model(model: TimeModel, line: Array, uav: Uav) -> _Flight:
     limits = MotionLimits(uav.speed_mps, uav.climb_mps, uav.descent_mps)
     return model.arrivals(line, limits), lambda times_s: model.positions(line, limits, times_s)
+
+
+def plan_of(
+    problem: RoutingProblem,
+    routes: Sequence[Sequence[int]],
+    *,
+    radio: Radio | None = None,
+    delta: int = 2,
+    seed: int = 0,
+    origin: Origin | None = None,
+) -> Plan:
+    """Plan record of routes for a problem, not yet checked: hand it to `certify`.
+
+    UAVs are named uav1, uav2 …; their greatest powers are those that reach as far as the problem
+    says.
+
+    Parameters
+    ----------
+    problem
+        What the routes solve.
+    routes
+        Indices of waypoints in order, one sequence per UAV, as in `SearchResult.routes`.
+    radio
+        Frequency, gains, sensitivity, bandwidth and noise; None for those of a scenario's defaults.
+    delta
+        Neighbours beyond K_min that the topology allows, δ.
+    seed
+        Of the search, for the record.
+    origin
+        Where the local frame sits; None for 0° N, 0° E, 0 m.
+
+    Returns
+    -------
+    Plan
+        With times and positions by the problem's time model.
+
+    Raises
+    ------
+    InputError
+        If the time model is one that a plan cannot name.
+    """
+    radio = radio or Radio()
+    sensitivity_w = float(dbm_to_w(radio.sensitivity_dbm))
+    p_max_dbm = w_to_dbm(make_channel(radio).required_power(problem.reach_m, sensitivity_w))
+    energy = problem.energy_j
+    uavs = tuple(
+        Uav(
+            id=f"uav{a + 1}",
+            p_max_dbm=float(p_max_dbm[a]),
+            energy_j=ANY_ENERGY_J if energy is None else float(energy[a]),
+            t_max_s=float(problem.t_max_s[a]),
+            speed_mps=limits.speed_mps,
+            climb_mps=limits.climb_mps,
+            descent_mps=limits.descent_mps,
+            start_m=_vector(problem.starts_m[a]),
+        )
+        for a, limits in enumerate(problem.limits)
+    )
+    terms = PlanTerms(
+        scenario_hash="",
+        seed=seed,
+        origin=origin or Origin(0.0, 0.0, 0.0),
+        radio=radio,
+        k_min=problem.k_min,
+        delta=delta,
+        d_min_m=problem.d_min_m,
+        length_max_m=problem.length_max_m,
+        slot_count=problem.slot_count,
+        horizon_s=problem.horizon_s,
+        waypoints=tuple(Waypoint(k, _vector(p)) for k, p in enumerate(problem.waypoints_m)),
+        uavs=uavs,
+    )
+    return build_plan(routes, terms, *_named(problem.time_model))
+
+
+def _named(model: TimeModel) -> tuple[str, Mapping[str, float]]:
+    """Name and parameters of a time model in a plan."""
+    if isinstance(model, ConstantSpeed):
+        return "constant_speed", {}
+    parameters = getattr(model, "parameters", None)
+    if parameters is None:
+        raise InputError(
+            f"time_model is {type(model).__name__}, which a plan cannot name. Use ConstantSpeed or "
+            "ArduCopter."
+        )
+    return "arducopter", parameters()
+
+
+def _vector(point: Array) -> Vector:
+    return float(point[0]), float(point[1]), float(point[2])

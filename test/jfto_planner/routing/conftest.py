@@ -8,7 +8,7 @@ import pytest
 from jfto_msgs_py.records.plan import Origin, Plan, Uav, Waypoint
 from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.units import dbm_to_w
-from jfto_planner.routing import RoutingProblem, build_plan
+from jfto_planner.routing import PlanTerms, RoutingProblem, build_plan
 from jfto_world.motion import ConstantSpeed, MotionLimits
 from jfto_world.radio import make_channel
 
@@ -40,33 +40,35 @@ def plan_of(problem: RoutingProblem, routes: tuple[tuple[int, ...], ...]) -> Pla
     power_w = k.required_power(problem.reach_m, float(dbm_to_w(-70.0)))
     return build_plan(
         routes,
-        waypoints=tuple(
-            Waypoint(100 + i, tuple(map(float, point)))  # type: ignore[arg-type]
-            for i, point in enumerate(problem.waypoints_m)
+        PlanTerms(
+            waypoints=tuple(
+                Waypoint(100 + i, tuple(map(float, point)))  # type: ignore[arg-type]
+                for i, point in enumerate(problem.waypoints_m)
+            ),
+            uavs=tuple(
+                Uav(
+                    id=f"uav{a + 1}",
+                    p_max_dbm=float(10 * np.log10(power_w[a]) + 30),
+                    energy_j=100.0 if problem.energy_j is None else float(problem.energy_j[a]),
+                    t_max_s=float(problem.t_max_s[a]),
+                    speed_mps=limits.speed_mps,
+                    climb_mps=limits.climb_mps,
+                    descent_mps=limits.descent_mps,
+                    start_m=tuple(map(float, problem.starts_m[a])),  # type: ignore[arg-type]
+                )
+                for a, limits in enumerate(problem.limits)
+            ),
+            slot_count=problem.slot_count,
+            horizon_s=problem.horizon_s,
+            k_min=problem.k_min,
+            delta=2,
+            d_min_m=problem.d_min_m,
+            length_max_m=problem.length_max_m,
+            radio=RADIO,
+            origin=Origin(36.6, -84.2, 300.0),
+            scenario_hash="test",
+            seed=1,
         ),
-        uavs=tuple(
-            Uav(
-                id=f"uav{a + 1}",
-                p_max_dbm=float(10 * np.log10(power_w[a]) + 30),
-                energy_j=100.0 if problem.energy_j is None else float(problem.energy_j[a]),
-                t_max_s=float(problem.t_max_s[a]),
-                speed_mps=limits.speed_mps,
-                climb_mps=limits.climb_mps,
-                descent_mps=limits.descent_mps,
-                start_m=tuple(map(float, problem.starts_m[a])),  # type: ignore[arg-type]
-            )
-            for a, limits in enumerate(problem.limits)
-        ),
-        slot_count=problem.slot_count,
-        horizon_s=problem.horizon_s,
-        k_min=problem.k_min,
-        delta=2,
-        d_min_m=problem.d_min_m,
-        length_max_m=problem.length_max_m,
-        radio=RADIO,
-        origin=Origin(36.6, -84.2, 300.0),
-        scenario_hash="test",
-        seed=1,
     )
 
 
