@@ -11,7 +11,6 @@ from typing import Any
 
 import click
 
-from jfto.cli.options import debug_option
 from jfto.cli.ros_options import session_of, spin_option
 
 _PATH = click.Path(path_type=Path)
@@ -27,8 +26,7 @@ def command() -> None:
 @command.command("info")
 @click.argument("bag", type=_PATH)
 @click.option("-t", "--topic-name", "names_only", is_flag=True, help="Print topic names only.")
-@debug_option
-def info(bag: Path, names_only: bool, debug: bool) -> int:  # noqa: ARG001
+def info(bag: Path, names_only: bool) -> int:
     """Show what BAG holds.
 
     BAG is a folder, or an .mcap or .db3 file. Unfinished recordings are read too.
@@ -73,7 +71,6 @@ def info(bag: Path, names_only: bool, debug: bool) -> int:  # noqa: ARG001
     is_flag=True,
     help="Ask all nodes for their parameters and keep those in the bag.",
 )
-@debug_option
 def record(
     topics: tuple[str, ...], output: Path | None, params_file: Path | None, **choices: Any
 ) -> int:
@@ -158,14 +155,12 @@ def _pattern(text: str | None) -> re.Pattern[str] | None:
 @click.option("-l", "--loop", is_flag=True, help="Begin anew at the end.")
 @click.option("-m", "--remap", multiple=True, metavar="OLD:=NEW", help="Play under another name.")
 @spin_option
-@debug_option
 def play(
     bag: Path,
     more: tuple[str, ...],
     topics: tuple[str, ...],
     remap: tuple[str, ...],
     spin_time: float,
-    debug: bool,  # noqa: ARG001
     **options: Any,
 ) -> int:
     """Publish the messages of BAG.
@@ -221,14 +216,12 @@ def _remap(rules: list[str]) -> dict[str, str]:
     help="By how much powers may differ; links may not.",
 )
 @click.option("-o", "--output", type=_PATH, metavar="DIR", help="Write the outputs as a bag.")
-@debug_option
 def replay(
     bag: Path,
     nodes: str,
     params_file: Path | None,
     tolerance_db: float,
     output: Path | None,
-    debug: bool,  # noqa: ARG001
 ) -> int:
     """Feed BAG to nodes and compare their outputs.
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jfto.cli.mission_options import build, build_options
-from jfto.cli.options import debug_option
 from jfto.cli.vehicle_options import (
     PATH,
     key_option,
@@ -40,8 +39,7 @@ def command() -> None:
 @click.option("-o", "--out", type=PATH, metavar="DIR", default=Path("missions"), show_default=True)
 @click.option("--format", "form", type=click.Choice(list(FORMATS)), default="plan")
 @build_options
-@debug_option
-def export(plan: Path, out: Path, form: str, debug: bool, **choices: Any) -> int:  # noqa: ARG001
+def export(plan: Path, out: Path, form: str, **choices: Any) -> int:
     """Write one mission file per UAV of PLAN for QGroundControl and Mission Planner."""
     from jfto_mavlink.files import write_mission
 
@@ -56,8 +54,7 @@ def export(plan: Path, out: Path, form: str, debug: bool, **choices: Any) -> int
 @command.command("import")
 @click.argument("source", type=PATH)
 @click.argument("target", type=PATH, required=False)
-@debug_option
-def import_(source: Path, target: Path | None, debug: bool) -> int:  # noqa: ARG001
+def import_(source: Path, target: Path | None) -> int:
     """Read a .plan or .waypoints file, check it, and write it to TARGET in its format."""
     from jfto_mavlink.files import read_mission, write_mission
     from jfto_mavlink.mission.limits import MissionLimits, check_limits
@@ -78,8 +75,7 @@ def import_(source: Path, target: Path | None, debug: bool) -> int:  # noqa: ARG
 @command.command("diff")
 @click.argument("old", type=PATH)
 @click.argument("new", type=PATH)
-@debug_option
-def diff(old: Path, new: Path, debug: bool) -> int:  # noqa: ARG001
+def diff(old: Path, new: Path) -> int:
     """What changes from mission file OLD to NEW, as the autopilot would store it.
 
     Status 0 if both fly the same, 1 if not.
@@ -100,8 +96,7 @@ def diff(old: Path, new: Path, debug: bool) -> int:  # noqa: ARG001
 @key_option
 @speedup_option
 @build_options
-@debug_option
-def upload(plan: Path, debug: bool, **choices: Any) -> int:  # noqa: ARG001
+def upload(plan: Path, **choices: Any) -> int:
     """Upload PLAN's missions to all vehicles, read back, compare; all are released or none."""
     from jfto.console.vehicles import show_vehicles
     from jfto_mavlink.fleet.fly import deliver_to_fleet
@@ -124,8 +119,7 @@ def upload(plan: Path, debug: bool, **choices: Any) -> int:  # noqa: ARG001
 @_vehicles_option
 @key_option
 @build_options
-@debug_option
-def verify_command(plan: Path, debug: bool, **choices: Any) -> int:  # noqa: ARG001
+def verify_command(plan: Path, **choices: Any) -> int:
     """Compare what the vehicles hold with PLAN's missions, item by item. Status 1 if different."""
     from jfto.console.vehicles import show_vehicles
     from jfto_mavlink.mission.deliver import verify
@@ -145,8 +139,7 @@ def verify_command(plan: Path, debug: bool, **choices: Any) -> int:  # noqa: ARG
 @_vehicles_option
 @key_option
 @click.option("--yes", is_flag=True, help="Do not ask.")
-@debug_option
-def clear_command(debug: bool, yes: bool, **choices: Any) -> int:  # noqa: ARG001
+def clear_command(yes: bool, **choices: Any) -> int:
     """Remove mission, fence and rally points from vehicles."""
     from jfto.console.vehicles import show_vehicles
     from jfto_mavlink.mission.deliver import clear
@@ -170,8 +163,7 @@ def clear_command(debug: bool, yes: bool, **choices: Any) -> int:  # noqa: ARG00
 @_vehicles_option
 @click.option("--key", "key_file", type=PATH, metavar="FILE", required=True)
 @click.option("--create", is_flag=True, help="Make the key file first.")
-@debug_option
-def sign(key_file: Path, create: bool, debug: bool, **choices: Any) -> int:  # noqa: ARG001
+def sign(key_file: Path, create: bool, **choices: Any) -> int:
     """Give vehicles the signing key in FILE, over a cable: the key travels in the clear."""
     from jfto.console.vehicles import show_vehicles
     from jfto_mavlink.io.signing import create_key, load_signer
@@ -197,8 +189,7 @@ def sign(key_file: Path, create: bool, debug: bool, **choices: Any) -> int:  # n
 @_vehicles_option
 @key_option
 @click.option("--only", metavar="UAV", multiple=True, help="These vehicles; all if left out.")
-@debug_option
-def order_command(order: str, only: tuple[str, ...], debug: bool, **choices: Any) -> int:  # noqa: ARG001
+def order_command(order: str, only: tuple[str, ...], **choices: Any) -> int:
     """Tell flying vehicles to pause, resume, hold, return home or land, and see them do it.
 
     Vehicles that are not heard do not keep the others from being told.

@@ -38,7 +38,6 @@ method_option = click.option(
     "search alone finds with the same effort.",
 )
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON for programs.")
-debug_option = click.option("--debug", is_flag=True, hidden=True, help="Show tracebacks.")
 
 
 def print_json(facts: dict[str, Any]) -> None:

@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jfto.cli.options import debug_option
-
 if TYPE_CHECKING:
     from jfto.ros_cli.graph import NamesAndTypes
     from jfto.ros_cli.session import Session
@@ -20,11 +18,11 @@ def graph_command(function: Callable[..., int | None]) -> Callable[..., int]:
     """Give a command --spin-time and a session as its first argument; no status means 0."""
 
     @functools.wraps(function)
-    def run(*, spin_time: float, debug: bool, **choices: Any) -> int:  # noqa: ARG001
+    def run(*, spin_time: float, **choices: Any) -> int:
         with session_of(spin_time) as session:
             return function(session, **choices) or 0
 
-    return spin_option(debug_option(run))
+    return spin_option(run)
 
 
 def spin_option(function: Callable[..., int]) -> Callable[..., int]:

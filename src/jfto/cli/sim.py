@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import click
+from typing import Any
 
-from jfto.cli.options import debug_option
+import click
 
 _PLACE_PARTS = 3
 
@@ -54,21 +54,7 @@ def _parameters(texts: tuple[str, ...]) -> dict[str, float]:
 @click.option("--control", type=int, metavar="PORT", help="UDP port that takes fault lines.")
 @click.option("--gps-noise", type=float, default=0.0, metavar="M", help="Standard deviation. [0]")
 @click.option("--seed", type=click.IntRange(0), default=0, metavar="N", help="Of all randomness.")
-@debug_option
-def command(
-    vehicles: int,
-    speedup: float,
-    home: str,
-    spacing: float,
-    host: str,
-    remote: str | None,
-    parameters: tuple[str, ...],
-    faults: tuple[str, ...],
-    control: int | None,
-    gps_noise: float,
-    seed: int,
-    debug: bool,  # noqa: ARG001  main() reads it
-) -> int:
+def command(vehicles: int, speedup: float, seed: int, **choices: Any) -> int:
     """Simulate ArduCopter vehicles until Ctrl-C.
 
     Vehicle k listens on TCP 5760 + 10 (k - 1), its first port, and on UDP 14560 + 10 (k - 1).
@@ -83,16 +69,17 @@ def command(
 
     configs = fleet(
         vehicles,
-        _home(home),
-        spacing_m=spacing,
+        _home(choices["home"]),
+        spacing_m=choices["spacing"],
         seed=seed,
-        parameters=_parameters(parameters),
-        gps_noise_m=gps_noise,
+        parameters=_parameters(choices["parameters"]),
+        gps_noise_m=choices["gps_noise"],
         utc_at_boot_us=int(time.time() * 1e6),
     )
-    endpoints = default_endpoints(vehicles, host)
-    if remote is not None:
-        endpoints = tuple((tcp, f"udpto:{remote}") for tcp, _ in endpoints)
+    endpoints = default_endpoints(vehicles, choices["host"])
+    if choices["remote"] is not None:
+        endpoints = tuple((tcp, f"udpto:{choices['remote']}") for tcp, _ in endpoints)
+    faults, control = choices["faults"], choices["control"]
     server = SimServer(configs, ServerSettings(endpoints, speedup, seed, faults, control))
     for sysid, texts in zip(server.stations, endpoints, strict=True):
         click.echo(f"vehicle {sysid}   {'   '.join(texts)}")

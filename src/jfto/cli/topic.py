@@ -81,18 +81,23 @@ def info(session: Session, topic: str, verbose: bool) -> None:
 @click.option("--timeout", "timeout_s", type=float, metavar="SECONDS", help="End after so long.")
 @_qos_options
 @graph_command
-def echo(
-    session: Session, full_length: bool, length: int, no_arr: bool, no_str: bool, **choices: Any
-) -> None:
+def echo(session: Session, topic: str, type_name: str | None, **choices: Any) -> None:
     """Print the messages of TOPIC.
 
     Each is a YAML document. The QoS fits the publishers where none is asked for.
     """
     from jfto.ros_cli.messages import TextLimits
-    from jfto.ros_cli.topic_verbs import echo_topic
+    from jfto.ros_cli.topic_verbs import EchoOptions, echo_topic
 
-    limits = TextLimits(None if full_length else length, no_arr, no_str)
-    echo_topic(session, limits, **choices)
+    qos = {name: value for name, value in choices.items() if name.startswith("qos_")}
+    length = None if choices["full_length"] else choices["length"]
+    options = EchoOptions(
+        field=choices["field"],
+        once=choices["once"],
+        timeout_s=choices["timeout_s"],
+        limits=TextLimits(length, choices["no_arr"], choices["no_str"]),
+    )
+    echo_topic(session, topic, type_name, options, **qos)
 
 
 @command.command("hz")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jfto.cli.options import debug_option, load, out_option, scenario_argument, set_option
+from jfto.cli.options import load, out_option, scenario_argument, set_option
 from jfto.cli.vehicle_options import PATH, key_option, roster_texts, speedup_option, vehicles_option
 from jfto.supervision.graph_table import HORIZON_SLOTS, START_DELAY_S
 from jfto_msgs_py.ros.installation import require_ros
@@ -60,14 +60,12 @@ _LISTEN_S = 1.0
 @click.option("--for", "duration", type=click.FloatRange(0.0), metavar="S", help="End after S.")
 @click.option("--use-sim-time", is_flag=True, help="Take the time from /clock.")
 @set_option
-@debug_option
 def command(
     scenario: Path,
     out: Path | None,
     plan_file: Path | None,
     overrides: tuple[str, ...],
     duration: float | None,
-    debug: bool,  # noqa: ARG001  main() reads it
     **choices: Any,
 ) -> int:
     """Run the node graph of SCENARIO without ros2 launch, one supervised process per node.

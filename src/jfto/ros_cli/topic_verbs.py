@@ -7,6 +7,7 @@ import statistics
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from functools import reduce
 from itertools import pairwise
 from typing import Any
@@ -32,28 +33,34 @@ _PRINT_EVERY_S = 1.0
 _SILENT_WAIT_S = 0.5
 
 
+@dataclass(frozen=True)
+class EchoOptions:
+    """What is printed of each message, and until when.
+
+    `field` is the path `a.b` of one field, None for the message; `once` ends after the first
+    message, `timeout_s` after so many seconds.
+    """
+
+    limits: TextLimits
+    field: str | None = None
+    once: bool = False
+    timeout_s: float | None = None
+
+
 def echo_topic(
-    session: Session,
-    limits: TextLimits,
-    *,
-    topic: str,
-    type_name: str | None,
-    field: str | None,
-    once: bool,
-    timeout_s: float | None,
-    **qos: Any,
+    session: Session, topic: str, type_name: str | None, options: EchoOptions, **qos: Any
 ) -> None:
-    """Print the messages of a topic, or a field `a.b`, until interrupted, timed out, or once."""
+    """Print the messages of a topic, or a field of them, until interrupted or done."""
     printed: list[bool] = []
 
     def show(message: Any) -> None:
         # One message may be taken before the loop sees that the first was printed.
-        if not (once and printed):
-            click.echo(f"{to_yaml(_field(message, field), limits)}---")
+        if not (options.once and printed):
+            click.echo(f"{to_yaml(_field(message, options.field), options.limits)}---")
             printed.append(True)
 
     with _subscribed(session, topic, type_name, show, qos):
-        session.spin_until(lambda: once and bool(printed), timeout_s)
+        session.spin_until(lambda: options.once and bool(printed), options.timeout_s)
 
 
 @contextlib.contextmanager

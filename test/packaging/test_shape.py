@@ -1,0 +1,70 @@
+"""The shape that all source keeps to, so that a person reads a file once and a call at a glance."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+SOURCE = Path(__file__).parents[2] / "src"
+MOST_PARAMETERS = 7
+MOST_LINES = 350
+# Compiled kernels take what they work on array by array.
+KERNELS = {
+    "jfto_planner/policy/kernel/decode.py:decide",
+    "jfto_planner/policy/kernel/decode.py:roll_out",
+    "jfto_planner/policy/kernel/describe.py:_relate_to_nearest",
+    "jfto_planner/policy/kernel/describe.py:_rivals",
+    "jfto_planner/policy/kernel/describe.py:describe_state",
+    "jfto_planner/policy/kernel/observe.py:_links_at",
+    "jfto_planner/policy/kernel/observe.py:check_rule",
+    "jfto_planner/policy/kernel/observe.py:observe_one",
+    "jfto_planner/routing/kernel/local.py:exchange",
+    "jfto_planner/routing/kernel/local.py:relocate",
+    "jfto_planner/routing/kernel/radio.py:scan_pair",
+    "jfto_world/motion/arducopter/closed_loop.py:_fly",
+    "jfto_world/motion/arducopter/leg_profile.py:plan_legs",
+    "jfto_world/motion/progress.py:_best_time",
+    "jfto_world/motion/progress.py:_nearest",
+    "jfto_world/terrain/kernels.py:first_hits",
+}
+
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+
+
+def files() -> list[Path]:
+    """Every source file."""
+    return sorted(SOURCE.rglob("*.py"))
+
+
+def functions(path: Path) -> Iterator[tuple[str, Function]]:
+    """Every function of a file, methods and inner ones too, as "package/file.py:name"."""
+    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        if isinstance(node, Function):
+            yield f"{path.relative_to(SOURCE)}:{node.name}", node
+
+
+def parameter_count(function: Function) -> int:
+    """How many parameters a caller sees: neither self nor cls."""
+    named = [*function.args.posonlyargs, *function.args.args]
+    own = bool(named) and named[0].arg in {"self", "cls"}
+    rest = [one for one in (function.args.vararg, function.args.kwarg) if one is not None]
+    return len(named) - own + len(function.args.kwonlyargs) + len(rest)
+
+
+def test_no_function_has_more_than_seven_parameters() -> None:
+    """More are put into a frozen record, or the function does two things; kernels are listed."""
+    found = {
+        name: count
+        for path in files()
+        for name, function in functions(path)
+        if (count := parameter_count(function)) > MOST_PARAMETERS
+    }
+    assert {name: count for name, count in found.items() if name not in KERNELS} == {}
+    assert set(found) >= KERNELS, "a kernel that takes fewer now is no exception any more"
+
+
+def test_no_file_is_longer_than_can_be_read_once() -> None:
+    """A longer one holds two ideas."""
+    lengths = {path: len(path.read_text("utf-8").splitlines()) for path in files()}
+    assert {path: count for path, count in lengths.items() if count > MOST_LINES} == {}
