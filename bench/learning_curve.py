@@ -22,11 +22,12 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 import torch
+from torch import Tensor
 
 from jfto.planning.training_file import read_training
-from jfto_planner.policy import generator
-from jfto_planner.policy.environment import Episode
-from jfto_planner.policy.instance import InstanceBatch
+from jfto_planner.policy.network.environment import Episode
+from jfto_planner.policy.problems import Problems
+from jfto_planner.policy.training import generator
 from jfto_planner.policy.training.config import IMITATION
 from jfto_planner.policy.training.seeds import HELD_OUT, generator_of
 from jfto_planner.policy.training.teacher import solve
@@ -40,7 +41,7 @@ PROGRESS_ROWS = 12
 COLUMNS = ("step", "seconds", "held_out", "held_out_feasible", "challenge", "replaced")
 
 
-def nearest_neighbour(batch: InstanceBatch) -> np.ndarray:
+def nearest_neighbour(batch: Problems[Tensor]) -> np.ndarray:
     """Lengths (B,): the UAV that is free first takes the nearest waypoint that it may."""
     episode = Episode(batch, 1)
     for _ in range(episode.steps):
@@ -53,19 +54,23 @@ def nearest_neighbour(batch: InstanceBatch) -> np.ndarray:
     return episode.length[:, 0].numpy()
 
 
-def nearest_insertion(batch: InstanceBatch) -> np.ndarray:
+def nearest_insertion(batch: Problems[Tensor]) -> np.ndarray:
     """Lengths (B,) of open routes built by inserting what is nearest to them."""
     return np.array([_inserted(batch, row, nearest=True) for row in range(batch.size)])
 
 
-def cheapest_insertion(batch: InstanceBatch) -> np.ndarray:
+def cheapest_insertion(batch: Problems[Tensor]) -> np.ndarray:
     """Lengths (B,) of open routes built by inserting what lengthens them least."""
     return np.array([_inserted(batch, row, nearest=False) for row in range(batch.size)])
 
 
-def _inserted(batch: InstanceBatch, row: int, *, nearest: bool) -> float:
+def _start_points(batch: Problems[Tensor], row: int) -> Tensor:
+    return batch.starts[row][batch.start_of[row]]
+
+
+def _inserted(batch: Problems[Tensor], row: int, *, nearest: bool) -> float:
     points = batch.waypoints[row].numpy()
-    routes = [[start] for start in batch.start_points[row].numpy()]
+    routes = [[start] for start in _start_points(batch, row).numpy()]
     left, length = list(range(len(points))), 0.0
     while left:
         best = (np.inf, 0, 0, 0)
@@ -88,7 +93,7 @@ def _inserted(batch: InstanceBatch, row: int, *, nearest: bool) -> float:
     return length
 
 
-def searched(batch: InstanceBatch) -> np.ndarray:
+def searched(batch: Problems[Tensor]) -> np.ndarray:
     """Lengths (B,) of the search's routes in extents; nan where it found none."""
     lengths = []
     for row in range(batch.size):
@@ -96,7 +101,7 @@ def searched(batch: InstanceBatch) -> np.ndarray:
         length = np.nan if routes is None else 0.0
         for uav, route in enumerate(routes or ()):
             path = torch.cat(
-                [batch.start_points[row, uav][None], batch.waypoints[row, list(route)]]
+                [_start_points(batch, row)[uav, None], batch.waypoints[row, list(route)]]
             )
             length += float(path.diff(dim=0).norm(dim=-1).sum())
         lengths.append(length)

@@ -27,9 +27,9 @@ import numpy as np
 import torch
 
 from jfto_planner.methods import first_sound_routes, learned_routes, search_from
-from jfto_planner.policy import generator
 from jfto_planner.policy.compiled_policy import CompiledPolicy
-from jfto_planner.policy.problem_of import problem_of
+from jfto_planner.policy.problems import problem_of
+from jfto_planner.policy.training import generator
 from jfto_planner.policy.training.seeds import HELD_OUT, generator_of
 from jfto_planner.policy.weights import load_weights
 from jfto_planner.routing import RoutingProblem, SearchSettings, search

@@ -114,14 +114,9 @@ def _curves() -> None:
 
 def _learned_routes() -> None:
     from jfto_planner.policy.inference import plan_routes
-    from jfto_planner.policy.kernel.arrays import empty_fleet, empty_view
-    from jfto_planner.policy.kernel.episode import replay
+    from jfto_planner.policy.kernel.replay import fly_routes
     from jfto_planner.policy.problems import problems_of
     from jfto_planner.policy.weights import load_weights
 
     plan_routes(load_weights(), _problem())
-    scene = problems_of(_problem()).scene()
-    uavs, waypoints = scene.speed.shape[1], scene.waypoints.shape[1]
-    view, choices = empty_view(scene, 1, uavs + waypoints), np.zeros((1, 1, uavs + waypoints), int)
-    routes, degree = np.full((1, uavs, 1), waypoints), np.zeros(uavs, int)
-    replay(scene, empty_fleet(scene, 1), view, routes, choices, np.zeros((uavs, 3)), degree)
+    fly_routes(problems_of(_problem()), np.full((1, 2, 1), len(_POINTS)))

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-from jfto_msgs_py.types import Array
+from jfto_msgs_py.types import Array, Flags
 
 GroundHeight = Callable[[Array, Array], Array]
 
@@ -24,7 +23,7 @@ def low_legs(
     ground_height: GroundHeight,
     clearance_m: float,
     start_clearance_m: float,
-) -> NDArray[np.bool_]:
+) -> Flags:
     """Which legs pass lower than `clearance_m` above the ground, (W + A, W + A), symmetric.
 
     Nodes are waypoints (W, 3), then the places (A, 3) above the pads from which the first leg

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.records.vehicle import TimedPath, TimedTrajectory
-from jfto_msgs_py.types import Array
+from jfto_msgs_py.types import Array, Ints
 from jfto_planner.smoothing.trajectory import Trajectory
 from jfto_world.motion import ConstantSpeed, MotionLimits, time_model_named
 
@@ -49,14 +48,14 @@ def timed_trajectories(plan: Plan, start_ns: int) -> dict[str, TimedTrajectory]:
     return found
 
 
-def _smooth(curve: Trajectory) -> tuple[NDArray[np.int64], tuple[Array, Array, Array]]:
+def _smooth(curve: Trajectory) -> tuple[Ints, tuple[Array, Array, Array]]:
     times = np.concatenate([[0.0], curve.knots_s, np.arange(0.0, curve.end_s, SAMPLE_S)])
     offsets_ns = np.unique(_nanoseconds(times))
     motion = curve.motion(offsets_ns / 1e9)
     return offsets_ns, (motion.position_m, motion.velocity_mps, motion.acceleration_mps2)
 
 
-def _straight(plan: Plan, index: int) -> tuple[NDArray[np.int64], tuple[Array, Array, Array]]:
+def _straight(plan: Plan, index: int) -> tuple[Ints, tuple[Array, Array, Array]]:
     uav, route = plan.uavs[index], plan.routes[index]
     position_of = {waypoint.id: waypoint.position_m for waypoint in plan.waypoints}
     line = np.array([uav.start_m, *(position_of[number] for number in route.waypoint_ids)])
@@ -75,5 +74,5 @@ def _straight(plan: Plan, index: int) -> tuple[NDArray[np.int64], tuple[Array, A
     return offsets_ns, (position, velocity, np.zeros_like(position))
 
 
-def _nanoseconds(seconds: Array) -> NDArray[np.int64]:
+def _nanoseconds(seconds: Array) -> Ints:
     return np.rint(seconds * 1e9).astype(np.int64)

@@ -6,11 +6,11 @@ import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.sparse.csgraph import connected_components
 
 from jfto_msgs_py.errors import InfeasibleError, InputError
-from jfto_msgs_py.types import Array
+from jfto_msgs_py.types import Array, Ints
 from jfto_world.radio import degrees, pairwise_distances
 
 GroundHeight = Callable[[Array, Array], Array]
@@ -110,7 +110,7 @@ def place_pads(
     return np.column_stack([place, ground_height(place[:, 0], place[:, 1])])
 
 
-def share_out(sizes: ArrayLike, fleet: int) -> NDArray[np.int64]:
+def share_out(sizes: ArrayLike, fleet: int) -> Ints:
     """UAVs per start (S,): one each, the rest in proportion to the clusters' sizes (S,).
 
     Largest deficit first (the Sainte-Laguë rule), ties to the lower index.
@@ -129,7 +129,7 @@ def _square_grid(count: int) -> Array:
     return grid.reshape(count, 2) - (grid.mean(axis=0) if count else 0.0)
 
 
-def _assign(centres: Array, shares: NDArray[np.int64], reach: Array) -> NDArray[np.int64]:
+def _assign(centres: Array, shares: Ints, reach: Array) -> Ints:
     """Start of each UAV: the longest reach to the start furthest from the middle."""
     outward = np.linalg.norm(centres - np.average(centres, axis=0, weights=shares), axis=1)
     starts = np.argsort(-np.round(outward, 3), kind="stable")

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from llvmlite import ir
 from numba import typeof, types
+from numba.core import cgutils
 from numba.core.typing.templates import AttributeTemplate
 from numba.extending import (
     NativeValue,
@@ -36,16 +37,19 @@ class KernelStruct:
     """Base of frozen dataclasses whose fields are arrays, numbers and other KernelStructs.
 
     Kernels read the fields and may write into the arrays. They see the arrays that the fields held
-    when the record was made.
+    when a kernel took the record for the first time.
     """
 
-    def __post_init__(self) -> None:
-        words: list[int] = []
-        for field in fields(self):  # type: ignore[arg-type]
-            words += _words(getattr(self, field.name))
-        memory = np.array(words, dtype=np.int64)
-        object.__setattr__(self, "_memory", memory)
-        object.__setattr__(self, "_address", memory.ctypes.data)
+    @property
+    def _address(self) -> int:
+        memory = self.__dict__.get("_memory")
+        if memory is None:
+            words: list[int] = []
+            for field in fields(self):  # type: ignore[arg-type]
+                words += _words(getattr(self, field.name))
+            # The first of several threads makes what all of them use.
+            memory = self.__dict__.setdefault("_memory", np.array(words, dtype=np.int64))
+        return int(memory.ctypes.data)
 
 
 def _words(value: Any) -> list[int]:
@@ -54,7 +58,7 @@ def _words(value: Any) -> list[int]:
         address = value.__array_interface__["data"][0]
         return [*_OWNER, value.size, value.itemsize, address, *value.shape, *value.strides]
     if isinstance(value, KernelStruct):
-        return [value._address]  # type: ignore[attr-defined]
+        return [value._address]
     if isinstance(value, float):
         return [*struct.unpack("q", struct.pack("d", value))]
     return [int(value)]
@@ -116,9 +120,26 @@ class _Attributes(AttributeTemplate):
 @lower_getattr_generic(StructType)
 def _read(context: Any, builder: Any, kind: StructType, value: Any, attribute: str) -> Any:
     words = builder.bitcast(value, _WORD.as_pointer())
-    place = builder.gep(words, [ir.Constant(_WORD, kind.offset(attribute))])
-    member = context.get_value_type(dict(kind.members)[attribute])
-    loaded = builder.load(builder.bitcast(place, member.as_pointer()))
-    # Fields never change, so that what is read need not be read again after every write to memory.
+    place = kind.offset(attribute)
+    member = dict(kind.members)[attribute]
+    if not isinstance(member, types.Array):
+        return _load(builder, words, place, context.get_value_type(member))
+    array = cgutils.create_struct_proxy(member)(context, builder)
+    count = member.ndim
+    array.nitems = _load(builder, words, place + 2, _WORD)
+    array.itemsize = ir.Constant(_WORD, context.get_abi_sizeof(context.get_data_type(member.dtype)))
+    array.data = _load(builder, words, place + 4, array.data.type)
+    shape = [_load(builder, words, place + 5 + axis, _WORD) for axis in range(count)]
+    strides = [_load(builder, words, place + 5 + count + axis, _WORD) for axis in range(count)]
+    array.shape = cgutils.pack_array(builder, shape, _WORD)
+    array.strides = cgutils.pack_array(builder, strides, _WORD)
+    return array._getvalue()
+
+
+def _load(builder: Any, words: Any, place: int, kind: Any) -> Any:
+    """The word at a place, as a value of a kind."""
+    address = builder.gep(words, [ir.Constant(_WORD, place)])
+    loaded = builder.load(builder.bitcast(address, kind.as_pointer()))
+    # Fields never change: what is read need not be read again after every write to memory.
     loaded.set_metadata("invariant.load", builder.module.add_metadata([]))
     return loaded

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from jfto_planner.methods import first_sound_routes, learned_routes, search_from, solve
-from jfto_planner.policy.problem_of import problem_of
+from jfto_planner.policy.problems import problem_of
 from jfto_planner.policy.weights import load_weights
 from jfto_planner.routing import RoutingProblem, SearchSettings, search
 from support.policy_cases import instances

@@ -45,7 +45,7 @@ def command(config: Path, out: Path, device: str, threads: int | None) -> int:
     from jfto.cli.failure import EXIT_INTERRUPTED
     from jfto.console.stages import show_stages
     from jfto_msgs_py.errors import InputError
-    from jfto_planner.policy.model import arrays_of
+    from jfto_planner.policy.network.model import arrays_of
     from jfto_planner.policy.training.trainer import Progress as Step
     from jfto_planner.policy.training.trainer import Trainer
     from jfto_planner.policy.weights import NAME, save_weights

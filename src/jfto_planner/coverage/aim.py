@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from jfto_msgs_py.types import Array
+from jfto_msgs_py.types import Array, Flags
 from jfto_planner.coverage.settings import CoverageSettings
 from jfto_world.terrain import Dem
 
@@ -29,7 +28,7 @@ class Aim:
     wished_m: Array
     yaw_deg: Array
     pitch_deg: Array
-    possible: NDArray[np.bool_]
+    possible: Flags
     reason: tuple[str, ...]
 
 

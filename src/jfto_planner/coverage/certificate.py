@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.records.plan import Waypoint
-from jfto_msgs_py.types import Array
+from jfto_msgs_py.types import Array, Flags
 from jfto_planner.coverage.camera import Camera
 from jfto_world.terrain import Dem
 
@@ -131,7 +131,7 @@ def _photo(
     normal: Array,
     max_incidence_deg: float,
     depth_max: float,
-) -> tuple[NDArray[np.bool_], Array, Array]:
+) -> tuple[Flags, Array, Array]:
     """Which ground points one photo shows, their depth along its axis and cosine of incidence."""
     yaw, pitch = math.radians(waypoint.yaw_deg), math.radians(waypoint.pitch_deg)
     look = np.array(
@@ -155,9 +155,7 @@ def _photo(
     return seen, depth, facing
 
 
-def _spread(
-    gsd_m: Array, facing: Array, weight: Array, seen: NDArray[np.bool_]
-) -> dict[str, float]:
+def _spread(gsd_m: Array, facing: Array, weight: Array, seen: Flags) -> dict[str, float]:
     """Means and percentiles over the seen surface, weighted by its area."""
     names = ("mean_m", "std_m", "p05_m", "p50_m", "p95_m")
     incidence_names = ("incidence_mean_deg", "incidence_p95_deg")

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from jfto_msgs_py.errors import InputError
-from jfto_planner.policy.compiled_policy import CompiledPolicy, Flown
-from jfto_planner.policy.problems import SYMMETRIES, problems_of
+from jfto_msgs_py.types import AnyArray
+from jfto_planner.policy.compiled_policy import CompiledPolicy, Rollouts
+from jfto_planner.policy.problems import SYMMETRIES, problems_of, symmetries, turned
 from jfto_planner.routing.problem import RoutingProblem
 
 MODES = ("greedy", "sample", "symmetry")
@@ -67,7 +68,7 @@ def ranked_routes(
         chances = np.random.default_rng(seed).random((1, samples, steps))
         flown = policy.roll_out(problems, samples, chances=chances)
     elif mode == "symmetry":
-        flown = policy.roll_out(problems.symmetries())
+        flown = policy.roll_out(symmetries(problems))
     else:
         raise InputError(f"mode is {mode!r}, must be one of {', '.join(MODES)}.")
     return _ranked(flown, float(problems.extent_m[0]), problem, most)
@@ -80,12 +81,12 @@ def turned_routes(policy: CompiledPolicy, problem: RoutingProblem) -> Iterator[P
     """
     problems = problems_of(problem)
     for turn in range(SYMMETRIES):
-        flown = policy.roll_out(problems.turned(np.array([turn])))
+        flown = policy.roll_out(turned(problems, np.array([turn])))
         yield from _ranked(flown, float(problems.extent_m[0]), problem, 1)
 
 
 def _ranked(
-    flown: Flown, extent_m: float, problem: RoutingProblem, most: int
+    flown: Rollouts[AnyArray], extent_m: float, problem: RoutingProblem, most: int
 ) -> list[PolicyRoutes]:
     broken = flown.misses + flown.late
     mean_speed = sum(limit.speed_mps for limit in problem.limits) / problem.uav_count

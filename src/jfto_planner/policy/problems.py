@@ -1,119 +1,134 @@
-"""Routing problems as arrays, normalised: what the network sees, free of torch."""
+"""Routing problems as the policy sees them: batched, padded and normalised."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from jfto_planner.policy.kernel.arrays import Scene
+from jfto_msgs_py.types import AnyArray
+from jfto_planner.policy.features import (
+    GLOBAL,
+    TIME_SCALE,
+    TOUR,
+    UAVS_SCALE,
+    WAYPOINTS_SCALE,
+)
 from jfto_planner.routing.problem import RoutingProblem
+from jfto_world.kernel_struct import KernelStruct
+from jfto_world.motion import ConstantSpeed, MotionLimits
 
-Array = NDArray[Any]
-GLOBAL_FEATURES = 8
+if TYPE_CHECKING:
+    import torch
+
 SYMMETRIES = 8
+# Where a drawn problem becomes one in metres and seconds.
+MEAN_SPEED_MPS = 10.0
+SLOTS = 150
+
+Column = TypeVar("Column")
 
 
-@dataclass(frozen=True)
-class Problems:
+@dataclass(frozen=True, eq=False)
+class Problems(KernelStruct, Generic[Column]):
     """B problems whose lengths are in units of the scene's extent and whose mean speed is 1.
 
-    `waypoints` (B, W, 3) and `starts` (B, S, 3) are node coordinates, `start_of` (B, A) the start
-    node of each UAV. `speed`, `climb`, `descent`, `t_max` and `reach` are (B, A), `k_min` (B,).
-    `waypoint_valid` (B, W) and `uav_valid` (B, A) mark what is not padding; `extent_m` (B,) turns
-    lengths back into metres.
+    Columns are arrays for compiled code, or tensors to learn from. `waypoints` (B, W, 3) and
+    `starts` (B, S, 3) are node coordinates, `start_of` (B, A) the start node of each UAV. `speed`,
+    `climb`, `descent`, `t_max` and `reach` are (B, A), `k_min` (B,). `waypoint_valid` (B, W) and
+    `uav_valid` (B, A) mark what is not padding; `extent_m` (B,) turns lengths back into metres.
     """
 
-    waypoints: Array
-    starts: Array
-    start_of: Array
-    speed: Array
-    climb: Array
-    descent: Array
-    t_max: Array
-    reach: Array
-    k_min: Array
-    waypoint_valid: Array
-    uav_valid: Array
-    extent_m: Array
+    waypoints: Column
+    starts: Column
+    start_of: Column
+    speed: Column
+    climb: Column
+    descent: Column
+    t_max: Column
+    reach: Column
+    k_min: Column
+    waypoint_valid: Column
+    uav_valid: Column
+    extent_m: Column
 
-    def global_features(self) -> Array:
-        """What every node should know of the whole problem, (B, GLOBAL_FEATURES): the scale of
-        range and speed, the sizes and how tight the time is.
-        """
-        uavs = self.uav_valid.sum(1).astype(np.float32)
-        waypoints = self.waypoint_valid.sum(1).astype(np.float32)
+    @property
+    def size(self) -> int:
+        """B, the number of problems."""
+        columns: Any = self
+        return int(columns.k_min.shape[0])
 
-        def mean(value: Array) -> Array:
-            return np.asarray((value * self.uav_valid).sum(1) / uavs)
-
-        least_reach = np.where(self.uav_valid, self.reach, np.inf).min(1)
-        # Length of a short tour through W points of a unit square, per UAV (Beardwood et al.).
-        expected = 0.7124 * np.sqrt(waypoints) / uavs
-        columns = (
-            uavs / 10,
-            waypoints / 100,
-            mean(self.reach),
-            least_reach,
-            mean(self.t_max),
-            mean(self.t_max) / expected / 4,
-            self.k_min / uavs,
-            mean(self.climb),
-        )
-        return np.stack(columns, axis=1).astype(np.float32)
-
-    def turned(self, number: Array) -> Problems:
-        """Each problem in one of its eight reflections and rotations, by number (B,), 0 to 7."""
-        number = np.asarray(number)[:, None]
-        moved = {}
-        for name in ("waypoints", "starts"):
-            x, y, z = np.moveaxis(getattr(self, name), -1, 0)
-            x = np.where(number % 2 == 1, 1 - x, x)
-            y = np.where(number // 2 % 2 == 1, 1 - y, y)
-            swap = number >= SYMMETRIES // 2
-            moved[name] = np.stack((np.where(swap, y, x), np.where(swap, x, y), z), axis=-1)
-        return replace(self, **moved)
-
-    def symmetries(self) -> Problems:
-        """The eight reflections and rotations of every problem, as 8 B problems.
-
-        Copy s of problem b is row s·B + b.
-        """
-        size = len(self.k_min)
-        columns = {
-            item.name: np.concatenate([getattr(self, item.name)] * SYMMETRIES)
-            for item in fields(Problems)
-        }
-        return Problems(**columns).turned(np.repeat(np.arange(SYMMETRIES), size))
-
-    def scene(self) -> Scene:
-        """The problems as the compiled kernels take them."""
-        waypoints = np.ascontiguousarray(self.waypoints)
-        square = ((waypoints[:, :, None] - waypoints[:, None]) ** 2).sum(-1)
-        distance = np.sqrt(square)
-        points = np.take_along_axis(self.starts, self.start_of[..., None], axis=1)
-        return Scene(
-            waypoints=waypoints,
-            points=np.ascontiguousarray(points),
-            start_of=np.ascontiguousarray(self.start_of),
-            speed=np.ascontiguousarray(self.speed),
-            climb=np.ascontiguousarray(self.climb),
-            descent=np.ascontiguousarray(self.descent),
-            t_max=np.ascontiguousarray(self.t_max),
-            reach=np.ascontiguousarray(self.reach),
-            k_min=np.ascontiguousarray(self.k_min),
-            waypoint_valid=np.ascontiguousarray(self.waypoint_valid),
-            uav_valid=np.ascontiguousarray(self.uav_valid),
-            distance=distance,
-            # Not a stable sort, which is slower: the kernels read no more than distances from it.
-            nearest=np.argsort(distance, axis=-1).astype(np.int32),
-            starts=self.starts.shape[1],
+    def numpy(self) -> Problems[AnyArray]:
+        """The same as arrays."""
+        return self._each(
+            lambda column: np.ascontiguousarray(
+                column if isinstance(column, np.ndarray) else column.cpu().numpy()
+            )
         )
 
+    def tensors(self, device: torch.device | str = "cpu") -> Problems[torch.Tensor]:
+        """The same as tensors on a device."""
+        import torch
 
-def problems_of(problem: RoutingProblem) -> Problems:
+        return self._each(lambda column: torch.as_tensor(column).to(device))
+
+    def rows(self, chosen: Column) -> Problems[Column]:
+        """The problems that a mask or index chooses."""
+        return self._each(lambda column: column[chosen])
+
+    def _each(self, change: Callable[[Any], Any]) -> Problems[Any]:
+        return Problems(**{item.name: change(getattr(self, item.name)) for item in fields(self)})
+
+
+def global_features(problems: Problems[AnyArray]) -> AnyArray:
+    """What every node should know of the whole problem, (B, GLOBAL_FEATURES): the scale of range
+    and speed, the sizes and how tight the time is.
+    """
+    uavs = problems.uav_valid.sum(1).astype(np.float32)
+    waypoints = problems.waypoint_valid.sum(1).astype(np.float32)
+
+    def mean(value: AnyArray) -> AnyArray:
+        return np.asarray((value * problems.uav_valid).sum(1) / uavs)
+
+    expected = TOUR * np.sqrt(waypoints) / uavs
+    columns = {
+        "uavs": uavs / UAVS_SCALE,
+        "waypoints": waypoints / WAYPOINTS_SCALE,
+        "mean_reach": mean(problems.reach),
+        "least_reach": np.where(problems.uav_valid, problems.reach, np.inf).min(1),
+        "mean_time": mean(problems.t_max),
+        "time_per_tour": mean(problems.t_max) / expected / TIME_SCALE,
+        "k_min": problems.k_min / uavs,
+        "climb": mean(problems.climb),
+    }
+    return np.stack([columns[name] for name in GLOBAL], axis=1).astype(np.float32)
+
+
+def turned(problems: Problems[AnyArray], number: AnyArray) -> Problems[AnyArray]:
+    """Each problem in one of its eight reflections and rotations, by number (B,), 0 to 7."""
+    number = np.asarray(number)[:, None]
+    moved = {}
+    for name in ("waypoints", "starts"):
+        x, y, z = np.moveaxis(getattr(problems, name), -1, 0)
+        x = np.where(number % 2 == 1, 1 - x, x)
+        y = np.where(number // 2 % 2 == 1, 1 - y, y)
+        swap = number >= SYMMETRIES // 2
+        moved[name] = np.stack((np.where(swap, y, x), np.where(swap, x, y), z), axis=-1)
+    return replace(problems, **moved)
+
+
+def symmetries(problems: Problems[AnyArray]) -> Problems[AnyArray]:
+    """The eight reflections and rotations of every problem, as 8 B problems.
+
+    Copy s of problem b is row s·B + b.
+    """
+    eight = problems.rows(np.tile(np.arange(problems.size), SYMMETRIES))
+    return turned(eight, np.repeat(np.arange(SYMMETRIES), problems.size))
+
+
+def problems_of(problem: RoutingProblem) -> Problems[AnyArray]:
     """One routing problem as a batch of one, float32."""
     points = np.concatenate([problem.waypoints_m, problem.starts_m])
     low = points.min(axis=0)
@@ -122,7 +137,7 @@ def problems_of(problem: RoutingProblem) -> Problems:
     mean_speed = speeds.mean()
     starts, start_of = np.unique(problem.starts_m, axis=0, return_inverse=True)
 
-    def row(values: Array) -> Array:
+    def row(values: AnyArray) -> AnyArray:
         return np.asarray(values, dtype=np.float32)[None]
 
     return Problems(
@@ -138,4 +153,39 @@ def problems_of(problem: RoutingProblem) -> Problems:
         waypoint_valid=np.ones((1, problem.waypoint_count), dtype=bool),
         uav_valid=np.ones((1, problem.uav_count), dtype=bool),
         extent_m=np.array([extent]),
+    )
+
+
+def problem_of(
+    problems: Problems[Any], row: int, *, d_min_m: float = 5.0, slots: int = SLOTS
+) -> RoutingProblem:
+    """Routing problem of one row of an unpadded batch, with pads `d_min_m` × 1.5 apart.
+
+    Energy is left out; the policy does not know it.
+    """
+    problems = problems.numpy()
+    extent = float(problems.extent_m[row])
+
+    def array(column: AnyArray) -> AnyArray:
+        return column[row].astype(np.float64)
+
+    start_of = problems.start_of[row]
+    starts = array(problems.starts)[start_of] * extent
+    # UAVs of one start point stand in a row, eastward.
+    order = np.array([np.sum(start_of[:a] == start_of[a]) for a in range(len(start_of))])
+    starts[:, 0] += order * d_min_m * 1.5
+    speeds = zip(array(problems.speed), array(problems.climb), array(problems.descent), strict=True)
+    return RoutingProblem(
+        waypoints_m=array(problems.waypoints) * extent,
+        starts_m=starts,
+        limits=tuple(
+            MotionLimits(*(float(value) * MEAN_SPEED_MPS for value in limits)) for limits in speeds
+        ),
+        time_model=ConstantSpeed(),
+        t_max_s=array(problems.t_max) * extent / MEAN_SPEED_MPS,
+        reach_m=array(problems.reach) * extent,
+        k_min=int(problems.k_min[row]),
+        d_min_m=0.0,
+        length_max_m=1e7,
+        slot_count=slots,
     )

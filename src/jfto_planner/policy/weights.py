@@ -13,15 +13,14 @@ from safetensors import SafetensorError
 from safetensors.numpy import load, save
 
 from jfto_msgs_py.errors import InputError
-from jfto_planner.policy.compiled_policy import CompiledPolicy
-from jfto_planner.policy.problems import Array
-from jfto_planner.policy.shape import PolicyShape
+from jfto_msgs_py.types import AnyArray
+from jfto_planner.policy.compiled_policy import CompiledPolicy, PolicyShape
 
 NAME = "rl_tp.safetensors"
 HASH_SUFFIX = ".sha256"
 
 
-def save_weights(weights: Mapping[str, Array], shape: PolicyShape, path: Path) -> str:
+def save_weights(weights: Mapping[str, AnyArray], shape: PolicyShape, path: Path) -> str:
     """Write weights and, beside them, their SHA-256; both appear whole or not at all."""
     data = save(
         {key: np.array(value, order="C") for key, value in weights.items()},

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from jfto_msgs_py.types import Flags
-from jfto_planner.routing.problem import Array, RoutingProblem
+from jfto_msgs_py.types import Array, Flags, Ints
+from jfto_planner.routing.problem import RoutingProblem
 from jfto_world.radio import degrees, pairwise_distances
 
 Routes = tuple[tuple[int, ...], ...]
@@ -135,7 +134,7 @@ def _low_legs(problem: RoutingProblem, routes: Routes) -> int:
     return int(sum(problem.closed_legs[each[:-1], each[1:]].sum() for each in nodes))
 
 
-def _faults(problem: RoutingProblem, positions: Array) -> tuple[Flags, Flags, NDArray[np.int64]]:
+def _faults(problem: RoutingProblem, positions: Array) -> tuple[Flags, Flags, Ints]:
     """Per instant: UAVs short of neighbours (T, A), split (T,), pairs too close (T,)."""
     uavs = problem.uav_count
     distance = pairwise_distances(positions)

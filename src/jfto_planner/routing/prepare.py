@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from jfto_msgs_py.types import Array
 from jfto_planner.routing.kernel.prng import exponential_table
-from jfto_planner.routing.kernel.tables import Floats, Tables
+from jfto_planner.routing.kernel.tables import Tables
 from jfto_planner.routing.problem import RoutingProblem
 
 # Length of a waypoint's list of neighbours, and size of the table of random quantiles.
@@ -70,7 +71,7 @@ def _grid(problem: RoutingProblem) -> tuple[int, float]:
     return slots, longest / slots
 
 
-def _nearest(dist: Floats) -> np.ndarray:
+def _nearest(dist: Array) -> np.ndarray:
     """Nearest waypoints of each, nearest first, equals in the order of their numbers."""
     order = np.argsort(dist + np.diag(np.full(len(dist), -1.0)), axis=1, kind="stable")
     return np.ascontiguousarray(order[:, 1 : NEAR_LISTED + 1].astype(np.int32))

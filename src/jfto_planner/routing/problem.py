@@ -6,10 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.types import Array
+from jfto_msgs_py.types import Array, Flags
 from jfto_world.motion import ConstantSpeed, MotionLimits, TimeModel
 
 EnergyFloor = Callable[[Array, float], Array]
@@ -84,7 +83,7 @@ class RoutingProblem:
     energy_j: Array | None = None
     energy_floor: EnergyFloor | None = None
     path_loss_exponent: float = 2.0
-    closed_legs: NDArray[np.bool_] | None = None
+    closed_legs: Flags | None = None
 
     def __post_init__(self) -> None:
         for name in ("waypoints_m", "starts_m"):

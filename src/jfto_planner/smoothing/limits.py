@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.types import Array
@@ -54,7 +53,7 @@ class CurveLimits:
         """Limits with the three speeds of `motion`; `others` as the fields."""
         return cls(motion.speed_mps, motion.climb_mps, motion.descent_mps, **others)
 
-    def row(self, margin: float = 0.0) -> NDArray[np.float64]:
+    def row(self, margin: float = 0.0) -> Array:
         """The limits lowered by `margin` as the row of 8 numbers for compiled functions."""
         kept = 1.0 - margin
         return np.array(

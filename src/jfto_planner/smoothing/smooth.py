@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.types import Array
+from jfto_msgs_py.types import Array, Flags
 from jfto_planner.smoothing.chain import Chain, chain_of, shorten
 from jfto_planner.smoothing.kernel.segment import control_points
 from jfto_planner.smoothing.limits import CurveLimits
@@ -53,7 +53,7 @@ class RouteRequest:
 
     points_m: Array
     limits: CurveLimits
-    stop: NDArray[np.bool_] | None = None
+    stop: Flags | None = None
     hold_s: Array | None = None
     cap_mps: Array | None = None
 
@@ -102,7 +102,7 @@ def smooth_route(request: RouteRequest, settings: SmoothingSettings | None = Non
     return Trajectory(control, duration, passed[joint_of])
 
 
-def checked(request: RouteRequest) -> tuple[Array, NDArray[np.bool_], Array, Array]:
+def checked(request: RouteRequest) -> tuple[Array, Flags, Array, Array]:
     """Points (M, 3), stops, holds and caps (M,) of a request; raises InputError."""
     points = np.ascontiguousarray(request.points_m, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 3 or len(points) == 0:

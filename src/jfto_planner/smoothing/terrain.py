@@ -6,10 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InfeasibleError, InputError
-from jfto_msgs_py.types import Array
+from jfto_msgs_py.types import Array, Flags
 from jfto_planner.smoothing.smooth import RouteRequest, SmoothingSettings, checked, smooth_route
 from jfto_planner.smoothing.trajectory import Trajectory
 
@@ -39,7 +38,7 @@ class _Draft:
     """A route with via points: which of its points were asked for, and where the ends climb."""
 
     request: RouteRequest
-    asked: NDArray[np.bool_]
+    asked: Flags
     first: int = 0
     last: int = -1
 

@@ -6,7 +6,7 @@ import pytest
 
 from jfto_msgs_py.errors import InputError
 from jfto_planner.policy.inference import plan_routes, ranked_routes, turned_routes
-from jfto_planner.policy.problem_of import problem_of
+from jfto_planner.policy.problems import problem_of
 from jfto_planner.policy.weights import load_weights
 from jfto_planner.routing import RoutingProblem
 from jfto_planner.routing.assess import assess

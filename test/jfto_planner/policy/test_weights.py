@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from jfto_msgs_py.errors import InputError
-from jfto_planner.policy.model import Policy, arrays_of
+from jfto_planner.policy.network.model import Policy, arrays_of
 from jfto_planner.policy.weights import NAME, load_weights, save_weights
 from support.policy_cases import SMALL, instances
 

@@ -1,4 +1,4 @@
-"""Features of a choice, compiled; the tensor twin is policy/describe.py."""
+"""Features of a choice, compiled; the tensor twin is network/describe.py."""
 
 from __future__ import annotations
 
@@ -6,8 +6,44 @@ import math
 
 import numpy as np
 
-from jfto_planner.policy.features import CLOSE, NO_RIVAL
-from jfto_planner.policy.kernel.arrays import Array, Fleet, Scene, View
+from jfto_planner.policy.features import (
+    ALONE,
+    AWAY,
+    AWAY_SCALE,
+    CLOSE,
+    CLOSE_SCALE,
+    DEGREE_MOST,
+    FLYING,
+    LEAD,
+    LEAD_MOST,
+    LEAST_DEGREE,
+    LEAST_LENGTH,
+    LEAST_TIME,
+    LEFT,
+    LOG_AWAY,
+    LOG_EXCESS,
+    LOG_EXCESS_NEXT,
+    LOG_NEXT,
+    LOG_RIVAL,
+    LOG_SECOND,
+    NEAR_OTHERS,
+    NEAREST,
+    NO_DEGREE,
+    NO_RIVAL,
+    OWN_DEGREE,
+    OWN_GROUND,
+    SLACK,
+    SOONER,
+    SOONER_MOST,
+    TIME_LEFT,
+    TIME_USED,
+    TOUR,
+    TURN,
+    WINDOW,
+    WORK,
+    WORK_MOST,
+)
+from jfto_planner.policy.kernel.episode import Episode
 from jfto_world.compiled import inner
 
 
@@ -19,44 +55,35 @@ def norm(x: float, y: float, z: float) -> float:
 
 @inner
 def _rivals(
-    scene: Scene,
-    fleet: Fleet,
-    b: int,
-    p: int,
-    active: int,
-    now: float,
-    x: float,
-    y: float,
-    z: float,
+    episode: Episode, b: int, p: int, active: int, now: float, x: float, y: float, z: float
 ) -> tuple[float, float]:
     """Distance of the nearest other UAV in flight to a point, and the least time until one of them
     could be there.
     """
+    problems = episode.problems
     rival, soonest = NO_RIVAL, NO_RIVAL
-    for a in range(scene.speed.shape[1]):
-        if a != active and not fleet.done[b, p, a]:
-            target = fleet.target[b, p, a]
+    for a in range(problems.speed.shape[1]):
+        if a != active and not episode.done[b, p, a]:
+            target = episode.target[b, p, a]
             gap = norm(x - target[0], y - target[1], z - target[2])
             rival = min(rival, gap)
-            wait = max(fleet.arrive[b, p, a] - now, 0.0) + gap / scene.speed[b, a]
+            wait = max(episode.arrive[b, p, a] - now, 0.0) + gap / problems.speed[b, a]
             soonest = min(soonest, wait)
     return rival, soonest
 
 
 @inner
-def _others(
-    scene: Scene, fleet: Fleet, b: int, p: int, j: int, unit: float
-) -> tuple[float, float, int]:
+def _others(episode: Episode, b: int, p: int, j: int, unit: float) -> tuple[float, float, int]:
     """Distances from a waypoint to its nearest and second nearest unvisited other, and how many
     are close.
     """
     first, second, close = NO_RIVAL, NO_RIVAL, 0
-    for rank in range(scene.nearest.shape[2]):
-        k = scene.nearest[b, j, rank]
-        gap = scene.distance[b, j, k]
+    for rank in range(episode.nearest.shape[2]):
+        k = episode.nearest[b, j, rank]
+        gap = episode.distance[b, j, k]
         if gap * unit > CLOSE and second < NO_RIVAL:
             break
-        if k == j or fleet.visited[b, p, k]:
+        if k == j or episode.visited[b, p, k]:
             continue
         close += gap * unit <= CLOSE
         if first == NO_RIVAL:
@@ -68,99 +95,98 @@ def _others(
 
 @inner
 def _relate_to_nearest(
-    fleet: Fleet,
-    b: int,
-    p: int,
-    t: int,
-    view: View,
-    least: float,
-    least_ahead: float,
-    unit: float,
+    episode: Episode, b: int, p: int, t: int, least: float, least_ahead: float, unit: float
 ) -> None:
-    """Turn the distances left in columns 6 and 10 into logarithms of their excess of the least."""
-    for j in range(view.pair.shape[3]):
-        if not fleet.visited[b, p, j]:
-            pair = view.pair[b, p, t, j]
-            pair[6] = math.log1p((pair[6] - least) * unit)
-            pair[10] = math.log1p((pair[10] - least_ahead) * unit)
+    """Turn the distances left in two columns into logarithms of their excess of the least."""
+    seen = episode.seen
+    for j in range(seen.pair.shape[3]):
+        if not episode.visited[b, p, j]:
+            pair = seen.pair[b, p, t, j]
+            pair[LOG_EXCESS] = math.log1p((pair[LOG_EXCESS] - least) * unit)
+            pair[LOG_EXCESS_NEXT] = math.log1p((pair[LOG_EXCESS_NEXT] - least_ahead) * unit)
 
 
 @inner
-def describe_pairs(scene: Scene, fleet: Fleet, b: int, p: int, t: int, view: View) -> None:
+def describe_pairs(episode: Episode, b: int, p: int, t: int) -> None:
     """Fill what relates the active UAV to each unvisited waypoint, and the state drawn from it."""
-    waypoints = scene.waypoints.shape[1]
-    active, now = view.active[b, p, t], view.now[b, p, t]
+    problems, seen = episode.problems, episode.seen
+    waypoints = problems.waypoints.shape[1]
+    active, now = seen.active[b, p, t], seen.now[b, p, t]
     total = 0
     for j in range(waypoints):
-        total += scene.waypoint_valid[b, j]
+        total += problems.waypoint_valid[b, j]
     unit = math.sqrt(total)
-    here, back = fleet.target[b, p, active], fleet.origin[b, p, active]
+    here, back = episode.target[b, p, active], episode.origin[b, p, active]
     hx, hy, hz = here[0] - back[0], here[1] - back[1], here[2] - back[2]
     heading = norm(hx, hy, hz)
     least, least_ahead, least_lead, own_ground, left = np.inf, np.inf, np.inf, 0, 0
     for j in range(waypoints):
-        if fleet.visited[b, p, j]:
+        if episode.visited[b, p, j]:
             continue
         left += 1
-        pair = view.pair[b, p, t, j]
-        x, y, z = scene.waypoints[b, j, 0], scene.waypoints[b, j, 1], scene.waypoints[b, j, 2]
+        pair = seen.pair[b, p, t, j]
+        x, y, z = (
+            problems.waypoints[b, j, 0],
+            problems.waypoints[b, j, 1],
+            problems.waypoints[b, j, 2],
+        )
         dx, dy, dz = x - here[0], y - here[1], z - here[2]
         away = norm(dx, dy, dz)
-        rival, soonest = _rivals(scene, fleet, b, p, active, now, x, y, z)
-        first, second, close = _others(scene, fleet, b, p, j, unit)
-        duration = view.duration[b, p, t, j]
-        turn = (hx * dx + hy * dy + hz * dz) / max(heading * away, 1e-9)
-        pair[0] = math.log1p(away * unit)
-        pair[1] = math.log1p(rival * unit)
-        pair[2] = away * unit / 4
-        pair[3] = (scene.t_max[b, active] - now - duration) / scene.t_max[b, active]
-        pair[4] = math.log1p(first * unit)
-        pair[5] = math.log1p(second * unit)
-        pair[6] = away
-        pair[7] = min(max(soonest - duration, -2.0), 2.0) * unit / 4
-        pair[8] = turn
-        pair[9] = close / 8
-        pair[10] = away + first
+        rival, soonest = _rivals(episode, b, p, active, now, x, y, z)
+        first, second, close = _others(episode, b, p, j, unit)
+        duration = seen.duration[b, p, t, j]
+        turn = (hx * dx + hy * dy + hz * dz) / max(heading * away, LEAST_LENGTH)
+        pair[LOG_AWAY] = math.log1p(away * unit)
+        pair[LOG_RIVAL] = math.log1p(rival * unit)
+        pair[AWAY] = away * unit / AWAY_SCALE
+        pair[SLACK] = (problems.t_max[b, active] - now - duration) / problems.t_max[b, active]
+        pair[LOG_NEXT] = math.log1p(first * unit)
+        pair[LOG_SECOND] = math.log1p(second * unit)
+        pair[LOG_EXCESS] = away
+        pair[SOONER] = min(max(soonest - duration, -SOONER_MOST), SOONER_MOST) * unit / AWAY_SCALE
+        pair[TURN] = turn
+        pair[NEAR_OTHERS] = close / CLOSE_SCALE
+        pair[LOG_EXCESS_NEXT] = away + first
         least = min(least, away)
         least_ahead = min(least_ahead, away + first)
         least_lead = min(least_lead, away - rival)
         own_ground += away < rival
-    _relate_to_nearest(fleet, b, p, t, view, least, least_ahead, unit)
-    state = view.state[b, p, t]
+    _relate_to_nearest(episode, b, p, t, least, least_ahead, unit)
+    state = seen.state[b, p, t]
     if left > 0:
-        state[9] = math.log1p(least * unit)
-        state[10] = min(max(least_lead * unit, -8.0), 8.0) / 4
-        state[11] = own_ground / left
+        state[NEAREST] = math.log1p(least * unit)
+        state[LEAD] = min(max(least_lead * unit, -LEAD_MOST), LEAD_MOST) / AWAY_SCALE
+        state[OWN_GROUND] = own_ground / left
 
 
 @inner
-def describe_state(
-    scene: Scene, fleet: Fleet, b: int, p: int, t: int, other: float, view: View, degree: Array
-) -> None:
+def describe_state(episode: Episode, b: int, p: int, t: int, other: float) -> None:
     """Fill T and K of the active UAV and of the fleet."""
-    uavs, waypoints = scene.speed.shape[1], scene.waypoints.shape[1]
-    active, now = view.active[b, p, t], view.now[b, p, t]
+    problems, seen = episode.problems, episode.seen
+    degree = episode.degree
+    uavs, waypoints = problems.speed.shape[1], problems.waypoints.shape[1]
+    active, now = seen.active[b, p, t], seen.now[b, p, t]
     left, total = 0, 0
     for j in range(waypoints):
-        left += not fleet.visited[b, p, j]
-        total += scene.waypoint_valid[b, j]
-    flying, fleet_size, capacity, least = 0, 0, 0.0, 10**6
+        left += not episode.visited[b, p, j]
+        total += problems.waypoint_valid[b, j]
+    flying, fleet_size, capacity, least = 0, 0, 0.0, NO_DEGREE
     for a in range(uavs):
-        flying += not fleet.done[b, p, a]
-        fleet_size += scene.uav_valid[b, a]
-        if not fleet.done[b, p, a]:
-            capacity += max(scene.t_max[b, a] - fleet.arrive[b, p, a], 0.0)
-        if scene.uav_valid[b, a]:
+        flying += not episode.done[b, p, a]
+        fleet_size += problems.uav_valid[b, a]
+        if not episode.done[b, p, a]:
+            capacity += max(problems.t_max[b, a] - episode.arrive[b, p, a], 0.0)
+        if problems.uav_valid[b, a]:
             least = min(least, degree[a])
-    need = max(scene.k_min[b], 1)
-    work = 0.7124 * left / math.sqrt(total)
-    state = view.state[b, p, t]
-    state[0] = now / scene.t_max[b, active]
-    state[1] = scene.t_max[b, active] - now
-    state[2] = 0.0 if other == np.inf else other - now
-    state[3] = left / total
-    state[4] = flying / fleet_size
-    state[5] = min(work / max(capacity, 1e-3), 3.0)
-    state[6] = min(degree[active] / need, 4.0)
-    state[7] = min(least / need, 4.0)
-    state[8] = 1.0 if other == np.inf else 0.0
+    need = max(problems.k_min[b], 1)
+    work = TOUR * left / math.sqrt(total)
+    state = seen.state[b, p, t]
+    state[TIME_USED] = now / problems.t_max[b, active]
+    state[TIME_LEFT] = problems.t_max[b, active] - now
+    state[WINDOW] = 0.0 if other == np.inf else other - now
+    state[LEFT] = left / total
+    state[FLYING] = flying / fleet_size
+    state[WORK] = min(work / max(capacity, LEAST_TIME), WORK_MOST)
+    state[OWN_DEGREE] = min(degree[active] / need, DEGREE_MOST)
+    state[LEAST_DEGREE] = min(least / need, DEGREE_MOST)
+    state[ALONE] = 1.0 if other == np.inf else 0.0

@@ -1,42 +1,69 @@
-"""Given routes as an episode, compiled."""
+"""Compiled rollouts: their state, what is seen of it, and room to work in."""
 
 from __future__ import annotations
 
-from jfto_planner.policy.kernel.arrays import Array, Fleet, Scene, View
-from jfto_planner.policy.kernel.observe import observe_one, step_one
-from jfto_world.compiled import kernel
+from dataclasses import dataclass
+
+import numpy as np
+
+from jfto_msgs_py.types import AnyArray
+from jfto_planner.policy.observation import Observation, room_for
+from jfto_planner.policy.problems import Problems
+from jfto_world.kernel_struct import KernelStruct
 
 
-@kernel
-def replay(
-    scene: Scene,
-    fleet: Fleet,
-    view: View,
-    routes: Array,
-    choices: Array,
-    scratch: Array,
-    degree: Array,
-) -> None:
-    """Fly given routes (B, A, L), each ended by W or by L, and record every step.
+@dataclass(frozen=True, eq=False)
+class Episode(KernelStruct):
+    """B × P rollouts; the twin in tensors is network/environment.py.
 
-    `choices` (B, 1, T) receives what was chosen.
+    `origin`, `target` (B, P, A, 3), `depart`, `arrive`, `done` and `node` (B, P, A) are of each
+    UAV's last leg, `visited` is (B, P, W); `length`, `misses` and `late` (B, P) add up. `distance`
+    (B, W, W) is that of two waypoints, `nearest` lists the others of each, nearest first. `places`
+    (A, 3) and `degree` (A,) are room to work in.
     """
-    waypoints, longest = scene.waypoints.shape[1], routes.shape[2]
-    for b in range(fleet.length.shape[0]):
-        for t in range(choices.shape[2]):
-            observe_one(scene, fleet, b, 0, t, view, scratch, degree)
-            active = view.active[b, 0, t]
-            choice = waypoints
-            if not fleet.done[b, 0, active]:
-                # The place in a route is the number of its waypoints that are visited.
-                place = 0
-                while (
-                    place < longest
-                    and routes[b, active, place] < waypoints
-                    and fleet.visited[b, 0, routes[b, active, place]]
-                ):
-                    place += 1
-                if place < longest:
-                    choice = routes[b, active, place]
-            choices[b, 0, t] = choice
-            step_one(scene, fleet, b, 0, t, view, choice)
+
+    problems: Problems[AnyArray]
+    seen: Observation[AnyArray]
+    origin: AnyArray
+    target: AnyArray
+    depart: AnyArray
+    arrive: AnyArray
+    done: AnyArray
+    visited: AnyArray
+    node: AnyArray
+    length: AnyArray
+    misses: AnyArray
+    late: AnyArray
+    distance: AnyArray
+    nearest: AnyArray
+    places: AnyArray
+    degree: AnyArray
+
+
+def new_episode(problems: Problems[AnyArray], rollouts: int, *, recorded: bool) -> Episode:
+    """All UAVs at their starts, with room to see one step at a time, or all where `recorded`."""
+    problems = problems.numpy()
+    count, uavs = problems.speed.shape
+    waypoints = problems.waypoints
+    points = np.take_along_axis(problems.starts, problems.start_of[..., None], axis=1)
+    start = np.repeat(points[:, None], rollouts, axis=1)
+    distance = np.sqrt(((waypoints[:, :, None] - waypoints[:, None]) ** 2).sum(-1))
+    return Episode(
+        problems=problems,
+        seen=room_for(problems, rollouts, uavs + waypoints.shape[1] if recorded else 1),
+        origin=start,
+        target=start.copy(),
+        depart=np.zeros((count, rollouts, uavs), np.float32),
+        arrive=np.zeros((count, rollouts, uavs), np.float32),
+        done=np.repeat(~problems.uav_valid[:, None], rollouts, axis=1),
+        visited=np.repeat(~problems.waypoint_valid[:, None], rollouts, axis=1),
+        node=np.repeat(problems.start_of[:, None], rollouts, axis=1),
+        length=np.zeros((count, rollouts), np.float32),
+        misses=np.zeros((count, rollouts), np.float32),
+        late=np.zeros((count, rollouts), np.float32),
+        distance=distance,
+        # Not a stable sort, which is slower: the kernels read no more than distances from it.
+        nearest=np.argsort(distance, axis=-1).astype(np.int32),
+        places=np.zeros((uavs, 3)),
+        degree=np.zeros(uavs, np.int64),
+    )

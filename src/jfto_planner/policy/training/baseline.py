@@ -10,17 +10,18 @@ import torch
 from scipy import stats
 from torch import Tensor
 
-from jfto_planner.policy.instance import InstanceBatch
-from jfto_planner.policy.model import Policy, Rollouts
+from jfto_planner.policy.compiled_policy import Rollouts
+from jfto_planner.policy.network.model import Policy
+from jfto_planner.policy.problems import Problems
 from jfto_planner.policy.training.config import TrainingConfig
 
 # Sets of evaluation problems of the last challenge, and their first number, which no other has.
 SETTLING, UNUSED = 4, 1_000_000
 
-DrawEvaluation = Callable[[int], list[InstanceBatch]]
+DrawEvaluation = Callable[[int], list[Problems[Tensor]]]
 
 
-def greedy_outcomes(policy: Policy, batches: list[InstanceBatch]) -> list[Rollouts]:
+def greedy_outcomes(policy: Policy, batches: list[Problems[Tensor]]) -> list[Rollouts[Tensor]]:
     """Greedy rollouts of every problem of some batches."""
     training = policy.training
     policy.eval()
@@ -30,7 +31,7 @@ def greedy_outcomes(policy: Policy, batches: list[InstanceBatch]) -> list[Rollou
     return outcomes
 
 
-def greedy_cost(policy: Policy, batches: list[InstanceBatch], config: TrainingConfig) -> Tensor:
+def greedy_cost(policy: Policy, batches: list[Problems[Tensor]], config: TrainingConfig) -> Tensor:
     """Cost of greedy rollouts of every problem of some batches, (problems,)."""
     outcomes = greedy_outcomes(policy, batches)
     costs = [outcome.cost(config.miss_penalty, config.late_penalty) for outcome in outcomes]

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from jfto_msgs_py.errors import InputError
-from jfto_planner.policy.generator import SceneRanges
-from jfto_planner.policy.shape import PolicyShape
+from jfto_planner.policy.compiled_policy import PolicyShape
+from jfto_planner.policy.training.generator import SceneRanges
 
 BASELINES = ("greedy_rollout", "shared")
 IMITATION, REINFORCE = METHODS = ("imitation", "reinforce")

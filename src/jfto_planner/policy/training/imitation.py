@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import torch
 from torch import Tensor
 
-from jfto_planner.policy.instance import InstanceBatch
-from jfto_planner.policy.model import Policy
-from jfto_planner.policy.replay import replay
+from jfto_planner.policy.kernel.replay import fly_routes
+from jfto_planner.policy.network.model import Policy
+from jfto_planner.policy.problems import Problems
 from jfto_planner.policy.training.config import Stage
 
 # Share of a stage's steps after which all its shards are in use; until then their number grows, so
@@ -26,15 +27,15 @@ def ready_shards(stage: Stage, within: int) -> int:
 
 
 def imitate(
-    policy: Policy, batch: InstanceBatch, routes: Tensor
+    policy: Policy, batch: Problems[Tensor], routes: Tensor
 ) -> tuple[Tensor, dict[str, float]]:
     """Mean negative log likelihood per choice of given routes (B, A, L), and its log row.
 
     The UAVs choose in the order in which they are free, as in a rollout.
     """
     device = batch.waypoints.device
-    flown = replay(batch.to("cpu"), routes)
-    seen, choices = flown.seen.to(device), flown.choices.to(device)
+    flown, chosen = fly_routes(batch.numpy(), routes.numpy())
+    seen, choices = flown.seen.tensors().to(device), torch.from_numpy(chosen).to(device)
     # The mask looks at the neighbour rule at other instants than the search does.
     allowed = seen.allowed.scatter(-1, choices.flatten(1)[..., None], True)
     seen = replace(seen, allowed=allowed)
@@ -46,6 +47,6 @@ def imitate(
         "length": float(flown.length.mean()),
         "misses": float(flown.misses.mean()),
         "late": float(flown.late.mean()),
-        "feasible": float(clean.float().mean()),
+        "feasible": float(clean.mean()),
         "loss": float(loss.detach()),
     }

@@ -12,9 +12,8 @@ from safetensors.torch import load_file, save_file
 from torch import Tensor
 
 from jfto_msgs_py.errors import InputError
-from jfto_planner.policy import generator as scenes
-from jfto_planner.policy.instance import InstanceBatch
-from jfto_planner.policy.problem_of import problem_of
+from jfto_planner.policy.problems import Problems, problem_of
+from jfto_planner.policy.training import generator as scenes
 from jfto_planner.policy.training.config import IMITATION, TrainingConfig
 from jfto_planner.policy.training.seeds import TEACHER, between, generator_of
 from jfto_planner.routing.annealer import Annealer
@@ -34,7 +33,7 @@ class Shard:
     visit, then W. `solved` (B,) says where the search found sound routes.
     """
 
-    batch: InstanceBatch
+    batch: Problems[Tensor]
     routes: Tensor
     solved: Tensor
 
@@ -65,7 +64,7 @@ class Teacher:
                 for number in range(settings.shards):
                     self.shard(stage, number)
 
-    def _problems(self, stage: int, number: int) -> tuple[InstanceBatch, int]:
+    def _problems(self, stage: int, number: int) -> tuple[Problems[Tensor], int]:
         settings = self.config.stages[stage]
         random = generator_of(self.config.seed, TEACHER, stage * MOST_SHARDS + number)
         waypoints = between(settings.sizes(number), random)
@@ -74,7 +73,7 @@ class Teacher:
         batch = scenes.draw(random, count, waypoints, uavs, self.config.scenes)
         return batch, random.initial_seed()
 
-    def _solve(self, batch: InstanceBatch, seed: int, moves: int, path: Path) -> None:
+    def _solve(self, batch: Problems[Tensor], seed: int, moves: int, path: Path) -> None:
         waypoints, uavs = batch.waypoints.shape[1], batch.start_of.shape[1]
         routes = torch.full((batch.size, uavs, waypoints), waypoints, dtype=torch.int16)
         solved = torch.zeros(batch.size, dtype=torch.uint8)
@@ -90,7 +89,7 @@ class Teacher:
 
 
 def solve(
-    batch: InstanceBatch, row: int, moves: int, seed: int
+    batch: Problems[Tensor], row: int, moves: int, seed: int
 ) -> tuple[tuple[int, ...], ...] | None:
     """Sound routes for one problem by one short run of the search, or None."""
     problem = problem_of(batch, row, slots=INSTANTS)

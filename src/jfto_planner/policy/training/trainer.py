@@ -14,10 +14,10 @@ import torch
 from torch import Tensor
 
 from jfto_msgs_py.errors import InputError
-from jfto_planner.policy import generator as scenes
-from jfto_planner.policy.instance import InstanceBatch, turned
-from jfto_planner.policy.model import Policy
+from jfto_planner.policy.network.model import Policy
+from jfto_planner.policy.problems import Problems, turned
 from jfto_planner.policy.training import checkpoint
+from jfto_planner.policy.training import generator as scenes
 from jfto_planner.policy.training.baseline import BestModel, greedy_cost, greedy_outcomes
 from jfto_planner.policy.training.config import IMITATION, Stage, TrainingConfig
 from jfto_planner.policy.training.imitation import imitate, ready_shards
@@ -127,7 +127,7 @@ class Trainer:
         self.seconds += time.monotonic() - begun_s
         return row | {"seconds": round(self.seconds, 2)}
 
-    def _lesson(self, number: int, within: int) -> tuple[InstanceBatch, Tensor]:
+    def _lesson(self, number: int, within: int) -> tuple[Problems[Tensor], Tensor]:
         """Problems and routes to imitate: this worker's part of a lesson, each turned at random."""
         stage = self.config.stages[number]
         random = generator_of(self.config.seed, TRAINING, self.step)
@@ -139,7 +139,8 @@ class Trainer:
             self.workers.rank :: self.workers.count
         ]
         turns = torch.randint(8, (shard.batch.size,), generator=random)[own]
-        return turned(shard.batch.rows(own), turns).to(self.device), shard.routes[own]
+        lesson_batch = turned(shard.batch.rows(own).numpy(), turns.numpy())
+        return lesson_batch.tensors(self.device), shard.routes[own]
 
     def _explore(self, stage: Stage, within: int) -> tuple[Tensor, dict[str, float]]:
         """Loss of Algorithm 1: REINFORCE with a baseline."""
@@ -164,7 +165,7 @@ class Trainer:
             "feasible": float(clean.float().mean()),
         }
 
-    def _draw(self, stage: Stage, within: int) -> tuple[InstanceBatch, torch.Generator]:
+    def _draw(self, stage: Stage, within: int) -> tuple[Problems[Tensor], torch.Generator]:
         # All workers draw problems of one size, so that their steps take equally long.
         common = generator_of(self.config.seed, TRAINING, self.step, 63)
         waypoints = between(stage.sizes(within), common)
@@ -175,15 +176,15 @@ class Trainer:
         sampling = own
         if self.device.type != "cpu":
             sampling = torch.Generator(self.device).manual_seed(own.initial_seed() + 1)
-        return batch.to(self.device), sampling
+        return batch.tensors(self.device), sampling
 
-    def _first(self, batch: InstanceBatch, stage: Stage) -> Tensor | None:
+    def _first(self, batch: Problems[Tensor], stage: Stage) -> Tensor | None:
         if not self.config.multi_start:
             return None
         number = torch.arange(stage.rollouts, device=self.device)
         return number.remainder(batch.waypoints.shape[1]).expand(batch.size, -1)
 
-    def _baseline(self, stage: Stage, batch: InstanceBatch, cost: Tensor) -> Tensor:
+    def _baseline(self, stage: Stage, batch: Problems[Tensor], cost: Tensor) -> Tensor:
         if stage.baseline == "shared":
             return cost.mean(1, keepdim=True)
         return greedy_cost(self.best.model, [batch], self.config).to(cost)[:, None]
@@ -202,7 +203,7 @@ class Trainer:
         }
 
     @cached_property
-    def _held_out(self) -> list[InstanceBatch]:
+    def _held_out(self) -> list[Problems[Tensor]]:
         return [
             scenes.draw(
                 generator_of(self.config.seed, HELD_OUT, number),
@@ -210,11 +211,11 @@ class Trainer:
                 waypoints,
                 uavs,
                 self.config.scenes,
-            ).to(self.device)
+            ).tensors(self.device)
             for number, (waypoints, uavs) in enumerate(HELD_OUT_SIZES)
         ]
 
-    def _evaluation_problems(self, number: int) -> list[InstanceBatch]:
+    def _evaluation_problems(self, number: int) -> list[Problems[Tensor]]:
         """Problems that the best model is judged by: the sizes of every stage in equal parts."""
         generator = generator_of(self.config.seed, EVALUATION, number)
         count = max(2, self.config.evaluation_instances // len(self.config.stages))
@@ -225,7 +226,7 @@ class Trainer:
                 between(stage.waypoints, generator),
                 between(stage.uavs, generator),
                 self.config.scenes,
-            ).to(self.device)
+            ).tensors(self.device)
             for stage in self.config.stages
         ]
 

@@ -10,12 +10,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import PlanError
 from jfto_msgs_py.records.certificate import Certificate, Violation
 from jfto_msgs_py.records.plan import Plan
-from jfto_msgs_py.types import Array
+from jfto_msgs_py.types import Array, Flags
 from jfto_msgs_py.units import dbm_to_w, ratio_to_db
 from jfto_planner.routing.certificate.between import check_between
 from jfto_planner.routing.certificate.ground import GroundRule, check_ground
@@ -134,7 +133,7 @@ def _check_energy(plan: Plan, floor: Array) -> list[Violation]:
 
 
 def plan_instants(
-    plan: Plan, positions_m: Array, finer: int, present: NDArray[np.bool_] | None = None
+    plan: Plan, positions_m: Array, finer: int, present: Flags | None = None
 ) -> Instants:
     """Separation, neighbours and connectivity of positions (T, A, 3) by a plan's radio and rules.
 

@@ -6,13 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from jfto_msgs_py.types import Array
+from jfto_msgs_py.types import Array, Flags, Ints
 from jfto_world.radio import degrees, pairwise_distances
 
-Indices = NDArray[np.int64]
-Margin = Callable[[Array, Indices, Indices], Array]
+Margin = Callable[[Array, Ints, Ints], Array]
 
 
 @dataclass(frozen=True)
@@ -26,15 +24,15 @@ class Instants:
     """
 
     finer: int
-    pairs: tuple[NDArray[np.int64], NDArray[np.int64]]
+    pairs: tuple[Ints, Ints]
     distance: Array
-    close: NDArray[np.bool_]
-    degree: NDArray[np.int64]
-    short: NDArray[np.bool_]
-    components: NDArray[np.int64]
+    close: Flags
+    degree: Ints
+    short: Flags
+    components: Ints
     margin_db: Array
 
-    def faults(self, kind: str) -> NDArray[np.bool_]:
+    def faults(self, kind: str) -> Flags:
         """Return where a kind of constraint is broken, (T, pairs or UAVs or 1)."""
         if kind == "connected":
             return self.components[:, None] > 1
@@ -71,7 +69,7 @@ def instants_of(
     k_min: int,
     d_min_m: float,
     finer: int,
-    present: NDArray[np.bool_] | None = None,
+    present: Flags | None = None,
 ) -> Instants:
     """Look at positions (T, A, 3); a pair is linked iff within its reach_m (A, A).
 
@@ -103,7 +101,7 @@ def instants_of(
     )
 
 
-def _components(linked: NDArray[np.bool_]) -> NDArray[np.int64]:
+def _components(linked: Flags) -> Ints:
     """Number of connected components of each graph (T, A, A).
 
     Every UAV takes the least label among itself and its neighbours until nothing changes; a

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array, Ints
 from jfto_planner.routing.kernel.evaluate import accept, cost_of, evaluate, is_sound
 from jfto_planner.routing.kernel.local import assemble, propose
 from jfto_planner.routing.kernel.prng import Seed, below, uniform
@@ -57,12 +58,12 @@ class Search(KernelStruct):
     work: Work
     best: State
     closest: State
-    violated: NDArray[np.float64]
-    weights: NDArray[np.float64]
-    fine_pos: NDArray[np.float64]
+    violated: Array
+    weights: Array
+    fine_pos: Array
     fine_mask: NDArray[np.uint64]
     rng: Seed
-    counters: NDArray[np.int64]
+    counters: Ints
 
 
 @inner

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from jfto_msgs_py.types import Array
 from jfto_world.compiled import inner
 
 Seed = NDArray[np.uint64]
@@ -33,12 +34,12 @@ def below(rng: Seed, count: int) -> int:
     return int(uniform(rng) * count)
 
 
-def exponential_table(size: int) -> NDArray[np.float64]:
+def exponential_table(size: int) -> Array:
     """Evenly spread quantiles of the unit exponential distribution.
 
     Looked up in place of a logarithm, whose last digit differs between machines; rounded for the
     same reason.
     """
-    chance: NDArray[np.float64] = (np.arange(size, dtype=np.float64) + 0.5) / size
-    quantile: NDArray[np.float64] = -np.log(chance)
+    chance: Array = (np.arange(size, dtype=np.float64) + 0.5) / size
+    quantile: Array = -np.log(chance)
     return quantile.round(9)

@@ -7,10 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from jfto_msgs_py.types import Ints
+from jfto_msgs_py.types import Array, Flags, Ints
 from jfto_world.kernel_struct import KernelStruct
-
-Floats = NDArray[np.float64]
 
 # Entries of State.total.
 LENGTH, LATE, RADIO, SEPARATION, ENERGY = range(5)
@@ -32,16 +30,16 @@ class Tables(KernelStruct):
     is a quantile table.
     """
 
-    dist: Floats
-    leg: Floats
+    dist: Array
+    leg: Array
     speed_class: Ints
-    xyz: Floats
+    xyz: Array
     near: NDArray[np.int32]
-    t_max: Floats
-    reach: Floats
-    near_sq: Floats
-    energy_limit: Floats
-    reach_exact: Floats
+    t_max: Array
+    reach: Array
+    near_sq: Array
+    energy_limit: Array
+    reach_exact: Array
     k_min: int
     d_min: float
     slot_s: float
@@ -49,7 +47,7 @@ class Tables(KernelStruct):
     fine_slots: int
     hold_s: float
     power_exponent: float
-    exponential: Floats
+    exponential: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,15 +63,15 @@ class State(KernelStruct):
 
     seq: NDArray[np.int32]
     size: Ints
-    arrival: Floats
-    prefix: Floats
+    arrival: Array
+    prefix: Array
     route_of: NDArray[np.int32]
     index_of: NDArray[np.int32]
-    pos: Floats
+    pos: Array
     mask: NDArray[np.uint64]
-    deficit: Floats
-    close: Floats
-    total: Floats
+    deficit: Array
+    close: Array
+    total: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,19 +85,19 @@ class Work(KernelStruct):
     per constraint how often it held.
     """
 
-    changed: NDArray[np.bool_]
+    changed: Flags
     first: Ints
-    ratio: Floats
-    nearest: Floats
-    need: Floats
-    spent: Floats
-    pieces: NDArray[np.int64]
+    ratio: Array
+    nearest: Array
+    need: Array
+    spent: Array
+    pieces: Ints
     piece_count: Ints
     ends: Ints
     sound: Ints
-    difference: Floats
+    difference: Array
     removed: Ints
-    sort_key: Floats
+    sort_key: Array
 
 
 def empty_work(uav_count: int, waypoint_count: int) -> Work:

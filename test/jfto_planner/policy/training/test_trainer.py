@@ -13,7 +13,7 @@ import pytest
 import torch
 
 from jfto_msgs_py.errors import InputError
-from jfto_planner.policy.shape import PolicyShape
+from jfto_planner.policy.compiled_policy import PolicyShape
 from jfto_planner.policy.training.baseline import significantly_better
 from jfto_planner.policy.training.config import Stage, TrainingConfig, from_dict
 from jfto_planner.policy.training.teacher import Teacher

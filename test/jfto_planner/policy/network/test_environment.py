@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 import torch
 
-from jfto_planner.policy.environment import Episode
+from jfto_planner.policy.network.environment import Episode
 from support.policy_cases import instances, line_of_three
 
 STOP = 3

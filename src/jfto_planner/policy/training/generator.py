@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from jfto_planner.policy.instance import InstanceBatch
+from jfto_planner.policy.problems import Problems
 from jfto_world.terrain.sample_tile import jacksboro
 
 UNIFORM, GAUSSIAN, GRID, DEM = range(4)
@@ -39,7 +39,7 @@ class SceneRanges:
 
 def draw(
     generator: torch.Generator, count: int, waypoints: int, uavs: int, ranges: SceneRanges
-) -> InstanceBatch:
+) -> Problems[Tensor]:
     """A batch of `count` instances of one size, each of a kind of its own."""
 
     def uniform(*shape: int, low: float = 0.0, high: float = 1.0) -> Tensor:
@@ -62,7 +62,7 @@ def draw(
     t_max = (tight * share + 0.5) * uniform(count, uavs, low=1 - ranges.spread, high=1.0)
     starts = _starts(generator, points, number, reach.amin(1))
     climb = uniform(count, 1, low=0.4, high=0.8).expand(-1, uavs).contiguous()
-    return InstanceBatch(
+    return Problems(
         waypoints=points,
         starts=starts,
         start_of=start_of,

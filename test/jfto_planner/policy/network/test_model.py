@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import fields
 
 import numpy as np
 import torch
 
 from jfto_planner.policy.compiled_policy import CompiledPolicy
-from jfto_planner.policy.environment import Episode
-from jfto_planner.policy.instance import stack, symmetries
-from jfto_planner.policy.model import Policy, arrays_of
-from support.policy_cases import SMALL, instances, line_of_three
+from jfto_planner.policy.network.environment import Episode
+from jfto_planner.policy.network.model import Policy, arrays_of
+from jfto_planner.policy.observation import Observation
+from jfto_planner.policy.problems import symmetries
+from support.policy_cases import SMALL, instances, line_of_three, stack
 
 
 def _policy() -> Policy:
@@ -91,14 +93,34 @@ def test_compiled_rollouts_equal_those_in_tensors() -> None:
     """On a CPU the environment and the decoder run compiled: same choices, lengths, likelihoods."""
     policy = _policy()
     batch = stack([instances(2, w, a, seed=w, k_min=2) for w, a in ((7, 3), (12, 6), (20, 5))])
-    expected, seen = policy.stepwise(policy.encode(batch), batch, 1, None)
+    expected = policy.stepwise(policy.encode(batch), batch, 1, None)
     compiled = policy(batch)
     assert torch.equal(compiled.choices, expected.choices)
     torch.testing.assert_close(compiled.length, expected.length)
     torch.testing.assert_close(compiled.late, expected.late)
     assert torch.equal(compiled.misses, expected.misses)
     torch.testing.assert_close(compiled.log_likelihood, expected.log_likelihood, rtol=1e-4, atol=0)
-    assert seen.pair.shape[1] == compiled.choices.shape[-1]
+    assert expected.seen.pair.shape[1] == compiled.choices.shape[-1]
+
+
+@torch.no_grad()
+def test_what_is_seen_compiled_equals_what_is_seen_in_tensors() -> None:
+    """At every step, for whoever chooses: same mask, clocks and features, also of padding."""
+    policy = _policy()
+    batch = stack([instances(3, w, a, seed=w, k_min=2) for w, a in ((7, 3), (12, 6), (20, 5))])
+    keys = policy.encode(batch)
+    expected = policy.stepwise(keys, batch, 1, None).seen
+    compiled = CompiledPolicy(arrays_of(policy), SMALL)
+    found = compiled.roll_out(batch.numpy(), keys=keys.numpy(), record=True).seen.tensors()
+    free = ~expected.visited
+    for item in fields(Observation):
+        one, other = getattr(found, item.name), getattr(expected, item.name)
+        if item.name == "duration":
+            one, other = one[free], other[free]
+        if item.name == "keeps_rule":
+            assert torch.equal(one[..., -1], other[..., -1])
+            one, other = one[..., :-1][free], other[..., :-1][free]
+        torch.testing.assert_close(one, other, rtol=1e-4, atol=1e-5, msg=item.name)
 
 
 @torch.no_grad()
@@ -110,7 +132,7 @@ def test_the_encoder_in_numpy_equals_the_one_in_torch() -> None:
         layer.norm_feed_forward.norm.running_var.uniform_(0.5, 2.0)
     batch = stack([instances(2, w, a, seed=w) for w, a in ((7, 3), (12, 6))])
     compiled = CompiledPolicy(arrays_of(policy), SMALL)
-    expected, found = policy.encode(batch).known(), compiled.encode(batch.numpy())
+    expected, found = policy.encode(batch).numpy(), compiled.encode(batch.numpy())
     for name in ("graph", "node_part", "glimpse_key", "pointer_key", "pair_key", "stop_key"):
         np.testing.assert_allclose(
             getattr(found, name), getattr(expected, name), rtol=1e-4, atol=1e-5
@@ -121,7 +143,7 @@ def test_the_encoder_in_numpy_equals_the_one_in_torch() -> None:
 def test_symmetries_preserve_every_distance() -> None:
     """Reflections and rotations change coordinates, not the problem."""
     batch = instances(2, 6, 4)
-    eight = symmetries(batch)
+    eight = symmetries(batch.numpy()).tensors()
     assert eight.size == 16
     for copy in range(8):
         rows = slice(2 * copy, 2 * copy + 2)

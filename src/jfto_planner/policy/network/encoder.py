@@ -7,7 +7,8 @@ import math
 import torch
 from torch import Tensor, nn
 
-from jfto_planner.policy.instance import GLOBAL_FEATURES, InstanceBatch
+from jfto_planner.policy.features import GLOBAL_FEATURES
+from jfto_planner.policy.problems import Problems, global_features
 
 
 class NodeNorm(nn.Module):
@@ -65,9 +66,10 @@ class Encoder(nn.Module):
         self.waypoint = nn.Linear(3 + GLOBAL_FEATURES, width)
         self.layers = nn.ModuleList(AttentionLayer(width, heads, hidden) for _ in range(layers))
 
-    def forward(self, batch: InstanceBatch) -> tuple[Tensor, Tensor, Tensor]:
+    def forward(self, batch: Problems[Tensor]) -> tuple[Tensor, Tensor, Tensor]:
         """Node embeddings, graph embedding and which nodes are real, of a batch."""
-        scene = batch.global_features()[:, None]
+        scene = torch.from_numpy(global_features(batch.numpy()))
+        scene = scene.to(batch.waypoints.device)[:, None]
         start_valid = _used_starts(batch)
         valid = torch.cat([start_valid, batch.waypoint_valid], dim=1)
         nodes = torch.cat(
@@ -87,7 +89,7 @@ def _with_scene(points: Tensor, scene: Tensor) -> Tensor:
     return torch.cat([points, scene.expand(-1, points.shape[1], -1)], dim=-1)
 
 
-def _used_starts(batch: InstanceBatch) -> Tensor:
+def _used_starts(batch: Problems[Tensor]) -> Tensor:
     """Start nodes (B, S) at which at least one real UAV stands: the others are padding."""
     used = batch.starts.new_zeros(batch.starts.shape[:2])
     return used.scatter_add(1, batch.start_of, batch.uav_valid.to(used.dtype)) > 0

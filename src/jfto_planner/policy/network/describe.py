@@ -1,4 +1,4 @@
-"""Features of a choice as tensors; kernel/observe.py is the compiled twin."""
+"""Features of a choice as tensors; kernel/describe.py is the compiled twin."""
 
 from __future__ import annotations
 
@@ -7,10 +7,25 @@ from typing import TYPE_CHECKING
 import torch
 from torch import Tensor
 
-from jfto_planner.policy.features import CLOSE, NO_RIVAL
+from jfto_planner.policy.features import (
+    AWAY_SCALE,
+    CLOSE,
+    CLOSE_SCALE,
+    DEGREE_MOST,
+    LEAD_MOST,
+    LEAST_LENGTH,
+    LEAST_TIME,
+    NO_DEGREE,
+    NO_RIVAL,
+    PAIR,
+    SOONER_MOST,
+    STATE,
+    TOUR,
+    WORK_MOST,
+)
 
 if TYPE_CHECKING:
-    from jfto_planner.policy.environment import Episode
+    from jfto_planner.policy.network.environment import Episode
 
 
 def describe_state(
@@ -19,9 +34,11 @@ def describe_state(
     now: Tensor,
     others_free: Tensor,
     degree: Tensor,
-    drawn: Tensor,
+    drawn: dict[str, Tensor],
 ) -> Tensor:
-    """T and K of the active UAV and of the fleet, (B, P, STATE_FEATURES); see features.py."""
+    """T and K of the active UAV and of the fleet, (B, P, STATE_FEATURES), with what is `drawn` from
+    the waypoints.
+    """
     batch = episode.batch
     t_max = batch.t_max[:, None].expand_as(episode.arrive)
     own_t_max = t_max.gather(-1, active[..., None]).squeeze(-1)
@@ -32,28 +49,28 @@ def describe_state(
     capacity = torch.where(episode.done, 0.0, (t_max - episode.arrive).clamp(min=0)).sum(-1)
     need = batch.k_min[:, None].float().clamp(min=1)
     own_degree = degree.gather(-1, active[..., None]).squeeze(-1)
-    least = torch.where(batch.uav_valid[:, None], degree, 10**6).amin(-1)
+    least = torch.where(batch.uav_valid[:, None], degree, NO_DEGREE).amin(-1)
     window = torch.where(torch.isfinite(others_free), others_free - now, 0.0)
-    work = 0.7124 * left / total.sqrt()
-    columns = (
-        now / own_t_max,
-        own_t_max - now,
-        window,
-        left / total,
-        flying / uavs,
-        (work / capacity.clamp(min=1e-3)).clamp(max=3),
-        (own_degree / need).clamp(max=4),
-        (least / need).clamp(max=4),
-        (~torch.isfinite(others_free)).float(),
-    )
-    return torch.cat([torch.stack(columns, dim=-1), drawn], dim=-1)
+    work = TOUR * left / total.sqrt()
+    columns = drawn | {
+        "time_used": now / own_t_max,
+        "time_left": own_t_max - now,
+        "window": window,
+        "left": left / total,
+        "flying": flying / uavs,
+        "work": (work / capacity.clamp(min=LEAST_TIME)).clamp(max=WORK_MOST),
+        "own_degree": (own_degree / need).clamp(max=DEGREE_MOST),
+        "least_degree": (least / need).clamp(max=DEGREE_MOST),
+        "alone": (~torch.isfinite(others_free)).float(),
+    }
+    return torch.stack([columns[name] for name in STATE], dim=-1)
 
 
 def describe_pairs(
     episode: Episode, active: Tensor, now: Tensor, duration: Tensor, distance: Tensor
-) -> tuple[Tensor, Tensor]:
+) -> tuple[Tensor, dict[str, Tensor]]:
     """What relates the active UAV to each waypoint, (B, P, W, PAIR_FEATURES), 0 where visited, and
-    what of it belongs to the state, (B, P, 3).
+    the features of the state that are drawn from it, each (B, P).
     """
     batch, free = episode.batch, ~episode.visited
     unit = batch.waypoint_valid.sum(-1)[:, None, None].float().sqrt()
@@ -61,27 +78,28 @@ def describe_pairs(
     rival, soonest = _rivals(episode, active, now)
     first, second, close = _others(batch.waypoints, free, unit)
     excess, drawn = _relative_to_nearest(free, distance, distance + first, rival, unit)
-    columns = (
-        (distance * unit).log1p(),
-        (rival * unit).log1p(),
-        distance * unit / 4,
-        (t_max - now[..., None] - duration) / t_max,
-        (first * unit).log1p(),
-        (second * unit).log1p(),
-        excess[0],
-        (soonest - duration).clamp(-2, 2) * unit / 4,
-        _turn(episode, active, distance),
-        close / 8,
-        excess[1],
-    )
-    return torch.stack(columns, dim=-1) * free[..., None], drawn
+    sooner = (soonest - duration).clamp(-SOONER_MOST, SOONER_MOST)
+    columns = {
+        "log_away": (distance * unit).log1p(),
+        "log_rival": (rival * unit).log1p(),
+        "away": distance * unit / AWAY_SCALE,
+        "slack": (t_max - now[..., None] - duration) / t_max,
+        "log_next": (first * unit).log1p(),
+        "log_second": (second * unit).log1p(),
+        "log_excess": excess[0],
+        "sooner": sooner * unit / AWAY_SCALE,
+        "turn": _turn(episode, active, distance),
+        "close": close / CLOSE_SCALE,
+        "log_excess_next": excess[1],
+    }
+    return torch.stack([columns[name] for name in PAIR], dim=-1) * free[..., None], drawn
 
 
 def _relative_to_nearest(
     free: Tensor, distance: Tensor, ahead: Tensor, rival: Tensor, unit: Tensor
-) -> tuple[tuple[Tensor, Tensor], Tensor]:
-    """Distance, and distance with the next leg, in excess of the least; and (B, P, 3) the nearest,
-    the greatest lead over rivals and the share of waypoints that are this UAV's own ground.
+) -> tuple[tuple[Tensor, Tensor], dict[str, Tensor]]:
+    """Distance, and distance with the next leg, in excess of the least; and (B, P) the nearest, the
+    greatest lead over rivals and the share of waypoints that are this UAV's own ground.
     """
 
     def least(value: Tensor) -> Tensor:
@@ -93,9 +111,10 @@ def _relative_to_nearest(
     left = free.sum(-1)
     own_ground = (free & (distance < rival)).sum(-1) / left.clamp(min=1)
     nearest = (least(distance) * unit).log1p().squeeze(-1)
-    lead = (least(distance - rival) * unit).clamp(-8, 8).squeeze(-1) / 4
-    drawn = torch.stack((nearest, lead, own_ground), dim=-1)
-    return (excess(distance), excess(ahead)), torch.where((left > 0)[..., None], drawn, 0.0)
+    lead = (least(distance - rival) * unit).clamp(-LEAD_MOST, LEAD_MOST).squeeze(-1) / AWAY_SCALE
+    drawn = {"nearest": nearest, "lead": lead, "own_ground": own_ground}
+    drawn = {name: torch.where(left > 0, value, 0.0) for name, value in drawn.items()}
+    return (excess(distance), excess(ahead)), drawn
 
 
 def _rivals(episode: Episode, active: Tensor, now: Tensor) -> tuple[Tensor, Tensor]:
@@ -130,4 +149,4 @@ def _turn(episode: Episode, active: Tensor, distance: Tensor) -> Tensor:
     here = episode.target.gather(2, index)
     heading = here - episode.origin.gather(2, index)
     along = ((episode.batch.waypoints[:, None] - here) * heading).sum(-1)
-    return along / (heading.norm(dim=-1) * distance).clamp(min=1e-9)
+    return along / (heading.norm(dim=-1) * distance).clamp(min=LEAST_LENGTH)

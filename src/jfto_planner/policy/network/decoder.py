@@ -3,53 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
-import numpy as np
 import torch
 from torch import Tensor, nn
 
-from jfto_planner.policy.environment import Observation
 from jfto_planner.policy.features import PAIR_FEATURES, STATE_FEATURES
-from jfto_planner.policy.instance import InstanceBatch
-from jfto_planner.policy.kernel.decode import Known
+from jfto_planner.policy.kernel.decode import Keys
+from jfto_planner.policy.observation import Observation
+from jfto_planner.policy.problems import Problems
 
 PAIR_WIDTH = 32
-
-
-@dataclass(frozen=True)
-class Keys:
-    """What stays the same over all steps of a batch: projections of the node embeddings.
-
-    `node_part` (B, S + W, 4, D) is what each node adds to the context as taken waypoint, as
-    waypoint left, as the active UAV's place and as another UAV's.
-    """
-
-    graph: Tensor  # (B, 1, D)
-    node_part: Tensor
-    glimpse_key: Tensor  # (B, W, D)
-    glimpse_value: Tensor  # (B, W, D)
-    pointer_key: Tensor  # (B, W, D)
-    pair_key: Tensor  # (B, W, PAIR_WIDTH)
-    stop_key: Tensor  # (B, S + W, D)
-    waypoint_valid: Tensor  # (B, W)
-    uav_valid: Tensor  # (B, A)
-
-    def known(self) -> Known:
-        """The same as arrays for the compiled decoder."""
-
-        def array(tensor: Tensor) -> np.ndarray:
-            return tensor.detach().float().contiguous().numpy()
-
-        return Known(
-            graph=array(self.graph[:, 0]),
-            node_part=array(self.node_part),
-            glimpse_key=array(self.glimpse_key.transpose(1, 2)),
-            glimpse_value=array(self.glimpse_value),
-            pointer_key=array(self.pointer_key.transpose(1, 2)),
-            pair_key=array(self.pair_key),
-            stop_key=array(self.stop_key),
-        )
 
 
 class Decoder(nn.Module):
@@ -81,36 +44,36 @@ class Decoder(nn.Module):
         self.pair_query = nn.Linear(width, PAIR_WIDTH, bias=False)
         self.pair_output = nn.Linear(PAIR_WIDTH, 1, bias=False)
 
-    def prepare(self, nodes: Tensor, graph: Tensor, batch: InstanceBatch) -> Keys:
+    def prepare(self, nodes: Tensor, graph: Tensor, batch: Problems[Tensor]) -> Keys[Tensor]:
         """Projections of a batch's node embeddings, computed once for all steps and rollouts."""
         waypoints = nodes[:, batch.starts.shape[1] :]
         key, value, pointer = self.projection(waypoints).chunk(3, dim=-1)
         return Keys(
-            graph=self.graph(graph)[:, None],
+            graph=self.graph(graph),
             node_part=self.node_part(nodes).unflatten(-1, (4, -1)),
-            glimpse_key=key,
+            glimpse_key=key.transpose(1, 2),
             glimpse_value=value,
-            pointer_key=pointer,
+            pointer_key=pointer.transpose(1, 2),
             pair_key=self.pair_key(waypoints),
             stop_key=self.stop_key(nodes),
             waypoint_valid=batch.waypoint_valid,
             uav_valid=batch.uav_valid,
         )
 
-    def forward(self, keys: Keys, seen: Observation) -> Tensor:
+    def forward(self, keys: Keys[Tensor], seen: Observation[Tensor]) -> Tensor:
         """Log probabilities (B, P, W + 1) of the choices; the last is to stop."""
         own = seen.node.gather(-1, seen.active[..., None])
         context = self._context(keys, seen, own)
         glimpse = self._glimpse(keys, context, seen.visited)
         query = self.query(glimpse)
         scale = 1 / math.sqrt(query.shape[-1])
-        waypoint = query @ keys.pointer_key.transpose(1, 2) * scale
+        waypoint = query @ keys.pointer_key * scale
         waypoint = waypoint + self._pair(keys, glimpse, seen.pair)
         stop = (query * _rows(keys.stop_key, own)).sum(-1, keepdim=True) * scale + self.stop_bias
         logits = self.clip * torch.tanh(torch.cat([waypoint, stop], dim=-1).float())
         return torch.log_softmax(logits.masked_fill(~seen.allowed, -torch.inf), dim=-1)
 
-    def _context(self, keys: Keys, seen: Observation, own: Tensor) -> Tensor:
+    def _context(self, keys: Keys[Tensor], seen: Observation[Tensor], own: Tensor) -> Tensor:
         """h_c (B, P, D)."""
         kind = keys.node_part.dtype
         starts = keys.node_part.shape[1] - seen.visited.shape[-1]
@@ -126,15 +89,15 @@ class Decoder(nn.Module):
             + _mean(others, fleet)
             + self.state(seen.state)
         )
-        return keys.graph + self.context(torch.relu(inner))
+        return keys.graph[:, None] + self.context(torch.relu(inner))
 
-    def _pair(self, keys: Keys, glimpse: Tensor, pair: Tensor) -> Tensor:
+    def _pair(self, keys: Keys[Tensor], glimpse: Tensor, pair: Tensor) -> Tensor:
         """Additive attention (B, P, W) over what relates the UAV to each waypoint."""
         hidden = self.pair_input(pair)
         hidden = hidden + self.pair_query(glimpse)[:, :, None] + keys.pair_key[:, None]
         return self.pair_output(torch.relu(hidden)).squeeze(-1)
 
-    def _glimpse(self, keys: Keys, context: Tensor, visited: Tensor) -> Tensor:
+    def _glimpse(self, keys: Keys[Tensor], context: Tensor, visited: Tensor) -> Tensor:
         """Multi-head attention of the context over unvisited waypoints, (B, P, D)."""
         # With nothing left to visit, attend to everything rather than divide by zero.
         mask = visited & ~visited.all(-1, keepdim=True)
@@ -142,7 +105,7 @@ class Decoder(nn.Module):
         def heads(tensor: Tensor) -> Tensor:
             return tensor.unflatten(-1, (self.heads, -1)).transpose(1, 2)
 
-        query, key = heads(context), heads(keys.glimpse_key)
+        query, key = heads(context), heads(keys.glimpse_key.transpose(1, 2))
         # Spelt out, since torch's fused attention is slower on CPUs at 16 numbers per head.
         score = query @ key.transpose(-1, -2) / math.sqrt(key.shape[-1])
         weight = score.masked_fill(mask[:, None], -torch.inf).softmax(-1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import torch
 
-from jfto_planner.policy.generator import SceneRanges, draw
+from jfto_planner.policy.training.generator import SceneRanges, draw
 from support.policy_cases import instances
 
 

@@ -2,39 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import torch
 from torch import Tensor, nn
 
-from jfto_planner.policy.compiled_policy import CompiledPolicy
-from jfto_planner.policy.decoder import Decoder, Keys
-from jfto_planner.policy.encoder import Encoder
-from jfto_planner.policy.environment import Episode, Observation
-from jfto_planner.policy.instance import InstanceBatch
-from jfto_planner.policy.replay import recorded
-from jfto_planner.policy.shape import PolicyShape
-
-
-@dataclass(frozen=True)
-class Rollouts:
-    """Outcome of P rollouts of each of B problems.
-
-    `choices` (B, P, steps) and `uavs` (B, P, steps) say who chose what (W = stop);
-    `log_likelihood`, `length` (extents), `misses` and `late` are (B, P).
-    """
-
-    choices: Tensor
-    uavs: Tensor
-    log_likelihood: Tensor
-    length: Tensor
-    misses: Tensor
-    late: Tensor
-
-    def cost(self, miss_penalty: float, late_penalty: float) -> Tensor:
-        """What training minimises: length plus penalties for broken rules, (B, P)."""
-        return self.length + miss_penalty * self.misses + late_penalty * self.late
+from jfto_planner.policy.compiled_policy import CompiledPolicy, PolicyShape, Rollouts
+from jfto_planner.policy.kernel.decode import Keys
+from jfto_planner.policy.network.decoder import Decoder
+from jfto_planner.policy.network.encoder import Encoder
+from jfto_planner.policy.network.environment import Episode
+from jfto_planner.policy.observation import Observation, joined
+from jfto_planner.policy.problems import Problems
 
 
 class Policy(nn.Module):
@@ -48,12 +28,12 @@ class Policy(nn.Module):
 
     def forward(
         self,
-        batch: InstanceBatch,
+        batch: Problems[Tensor],
         rollouts: int = 1,
         *,
         generator: torch.Generator | None = None,
         first: Tensor | None = None,
-    ) -> Rollouts:
+    ) -> Rollouts[Tensor]:
         """Roll out P = `rollouts` solutions of each problem; all share one encoder pass.
 
         With a `generator` choices are sampled, without one the likeliest is taken. `first`
@@ -61,24 +41,24 @@ class Policy(nn.Module):
         """
         keys = self.encode(batch)
         with torch.no_grad():
-            if batch.waypoints.device.type == "cpu" and first is None:
-                outcome, seen = self._compiled(keys, batch, rollouts, generator)
+            if batch.waypoints.device.type == "cpu":
+                flown = self._compiled(keys, batch, rollouts, generator, first)
             else:
-                outcome, seen = self.stepwise(keys, batch, rollouts, generator, first)
+                flown = self.stepwise(keys, batch, rollouts, generator, first)
         if not torch.is_grad_enabled():
-            return outcome
+            return flown
         # All steps in one pass: the choices are known by now.
-        return replace(outcome, log_likelihood=self.log_likelihood(keys, seen, outcome.choices))
+        return replace(flown, log_likelihood=self.log_likelihood(keys, flown.seen, flown.choices))
 
     def stepwise(
         self,
-        keys: Keys,
-        batch: InstanceBatch,
+        keys: Keys[Tensor],
+        batch: Problems[Tensor],
         rollouts: int,
         generator: torch.Generator | None,
         first: Tensor | None = None,
-    ) -> tuple[Rollouts, Observation]:
-        """Rollouts and what was seen at all steps, on any device."""
+    ) -> Rollouts[Tensor]:
+        """Rollouts and what was seen at all steps, in tensors on any device."""
         episode = Episode(batch, rollouts)
         choices, steps = [], []
         total = torch.zeros(batch.size, rollouts, device=batch.waypoints.device)
@@ -93,48 +73,56 @@ class Policy(nn.Module):
             episode.step(choice)
             choices.append(choice)
             steps.append(seen)
-        outcome = Rollouts(
+        return Rollouts(
             torch.stack(choices, -1),
             torch.stack([seen.active for seen in steps], -1),
             total,
             episode.length,
             episode.misses,
             episode.late,
+            joined(steps),
         )
-        return outcome, Observation.of_steps(steps)
 
     def _compiled(
         self,
-        keys: Keys,
-        batch: InstanceBatch,
+        keys: Keys[Tensor],
+        batch: Problems[Tensor],
         rollouts: int,
         generator: torch.Generator | None,
-    ) -> tuple[Rollouts, Observation]:
-        """The same on a CPU."""
+        first: Tensor | None,
+    ) -> Rollouts[Tensor]:
+        """The same compiled, on a CPU."""
         chances = None
         if generator is not None:
             shape = (batch.size, rollouts, batch.waypoints.shape[1] + batch.start_of.shape[1])
             chances = torch.rand(shape, generator=generator, dtype=torch.float64).numpy()
         compiled = CompiledPolicy(arrays_of(self), self.shape)
         flown = compiled.roll_out(
-            batch.numpy(), rollouts, chances=chances, known=keys.known(), record=True
+            batch.numpy(),
+            rollouts,
+            chances=chances,
+            first=None if first is None else np.ascontiguousarray(first.numpy()),
+            keys=keys.numpy(),
+            record=True,
         )
-        columns = (
-            flown.choices,
-            flown.uavs,
-            flown.log_likelihood.astype(np.float32),
-            flown.length,
-            flown.misses,
-            flown.late,
+        return Rollouts(
+            torch.from_numpy(flown.choices),
+            torch.from_numpy(flown.uavs),
+            torch.from_numpy(flown.log_likelihood).float(),
+            torch.from_numpy(flown.length),
+            torch.from_numpy(flown.misses),
+            torch.from_numpy(flown.late),
+            flown.seen.tensors(),
         )
-        return Rollouts(*map(torch.from_numpy, columns)), recorded(flown.view)
 
-    def encode(self, batch: InstanceBatch) -> Keys:
+    def encode(self, batch: Problems[Tensor]) -> Keys[Tensor]:
         """Everything that the decoder needs of the problems themselves."""
         nodes, graph, _ = self.encoder(batch)
         return self.decoder.prepare(nodes, graph, batch)
 
-    def log_likelihood(self, keys: Keys, seen: Observation, choices: Tensor) -> Tensor:
+    def log_likelihood(
+        self, keys: Keys[Tensor], seen: Observation[Tensor], choices: Tensor
+    ) -> Tensor:
         """Log likelihood (B, P) of choices (B, P, T) given the observations of all their steps."""
         log_p = self.decoder(keys, seen).gather(-1, choices.flatten(1)[..., None])
         return log_p.view(choices.shape).sum(-1)

@@ -6,7 +6,7 @@ import math
 
 import torch
 
-from jfto_planner.policy.encoder import AttentionLayer, Encoder
+from jfto_planner.policy.network.encoder import AttentionLayer, Encoder
 from support.policy_cases import SMALL, instances
 
 

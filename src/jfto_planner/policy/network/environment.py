@@ -1,5 +1,7 @@
 """Building the routes of a whole fleet step by step, many problems and rollouts at once.
 
+In tensors, for training on any device; kernel/observe.py is the compiled twin for CPUs.
+
 At each step the UAV that is free first chooses its next waypoint, or stops for good. So when it
 chooses, what all others do until then is already decided, and the neighbour rule (P1kmin) can be
 checked for everyone.
@@ -7,48 +9,13 @@ checked for everyone.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-
 import torch
 from torch import Tensor
 
-from jfto_planner.policy.describe import describe_pairs, describe_state
-from jfto_planner.policy.features import CHECKED_FRACTIONS
-from jfto_planner.policy.instance import InstanceBatch
-
-
-@dataclass(frozen=True)
-class Observation:
-    """What a choice can be based on; B problems × P rollouts.
-
-    `active` (B, P) is the UAV that chooses. `allowed` (B, P, W + 1) marks its choices, the last
-    being to stop, and `keeps_rule` those that leave every UAV its K_min neighbours. `visited`
-    (B, P, W) marks waypoints that are taken, or padding. `node` (B, P, A) is the node each UAV
-    flies to (starts first, then waypoints). `state` (B, P, STATE_FEATURES) holds the paper's T and
-    K, `pair` (B, P, W, PAIR_FEATURES) what relates the UAV to each waypoint.
-    """
-
-    active: Tensor
-    allowed: Tensor
-    keeps_rule: Tensor
-    visited: Tensor
-    node: Tensor
-    state: Tensor
-    pair: Tensor
-
-    def to(self, device: torch.device | str) -> Observation:
-        """The same on a device."""
-        moved = {item.name: getattr(self, item.name).to(device) for item in fields(self)}
-        return Observation(**moved)
-
-    @staticmethod
-    def of_steps(steps: list[Observation]) -> Observation:
-        """Observations of T steps as those of P × T rollouts, the steps of one side by side."""
-        columns = {
-            item.name: torch.stack([getattr(step, item.name) for step in steps], 2).flatten(1, 2)
-            for item in fields(Observation)
-        }
-        return Observation(**columns)
+from jfto_planner.policy.features import CHECKED_FRACTIONS, LEAST_LENGTH
+from jfto_planner.policy.network.describe import describe_pairs, describe_state
+from jfto_planner.policy.observation import Observation
+from jfto_planner.policy.problems import Problems
 
 
 class Episode:
@@ -58,10 +25,11 @@ class Episode:
     (B, P) sums the time by which UAVs overran T_a,max. Rollouts end after A + W steps.
     """
 
-    def __init__(self, batch: InstanceBatch, rollouts: int) -> None:
+    def __init__(self, batch: Problems[Tensor], rollouts: int) -> None:
         self.batch = batch
         shape = (batch.size, rollouts)
-        start = batch.start_points[:, None].expand(-1, rollouts, -1, -1)
+        start = batch.starts.gather(1, batch.start_of[..., None].expand(-1, -1, 3))
+        start = start[:, None].expand(-1, rollouts, -1, -1)
         self.origin = start.clone()
         self.target = start.clone()
         self.depart = start.new_zeros(start.shape[:-1])
@@ -72,17 +40,18 @@ class Episode:
         self.length = start.new_zeros(shape)
         self.misses = start.new_zeros(shape)
         self.late = start.new_zeros(shape)
-        self._pair_reach = batch.pair_reach[:, None]
+        reach = torch.minimum(batch.reach[:, :, None], batch.reach[:, None, :])
+        self._pair_reach = reach[:, None]
         # Padding has no reach, so it is no one's neighbour; it needs none itself.
         self._need = (batch.k_min[:, None] * batch.uav_valid)[:, None]
-        self._leg: dict[str, Tensor] = {}
+        self._seen: Observation[Tensor] | None = None
 
     @property
     def steps(self) -> int:
         """Steps until every rollout has ended."""
         return self.visited.shape[-1] + self.done.shape[-1]
 
-    def observe(self) -> Observation:
+    def observe(self) -> Observation[Tensor]:
         """What the UAV that is free first may choose."""
         clock = torch.where(self.done, torch.inf, self.arrive)
         # Rollouts that ended early keep stopping their first UAV; that changes nothing.
@@ -95,33 +64,34 @@ class Episode:
         distance = step.norm(dim=-1)
         keeps_rule, degree = self._keeps_rule(active, now, others_free, here, step, duration)
         allowed = self._allowed(active, now, duration, others_free, keeps_rule)
-        self._leg = {"active": active, "now": now, "duration": duration, "distance": distance}
-        self._leg["keeps_rule"] = keeps_rule
         pair, drawn = describe_pairs(self, active, now, duration, distance)
         state = describe_state(self, active, now, others_free, degree, drawn)
-        return Observation(active, allowed, keeps_rule, self.visited, self.node, state, pair)
+        self._seen = Observation(
+            active, now, allowed, keeps_rule, self.visited, duration, self.node, state, pair
+        )
+        return self._seen
 
     def step(self, choice: Tensor) -> None:
         """Carry out one choice (B, P) of the last observation: a waypoint, or W to stop."""
-        leg = self._leg
+        seen = self._seen
+        assert seen is not None, "a choice is made of what has been observed"
         count = self.visited.shape[-1]
         moves = choice < count
         waypoint = choice.clamp(max=count - 1)
-        active = leg["active"][..., None]
-        duration = leg["duration"].gather(-1, waypoint[..., None]).squeeze(-1)
-        distance = leg["distance"].gather(-1, waypoint[..., None]).squeeze(-1)
+        active = seen.active[..., None]
+        duration = seen.duration.gather(-1, waypoint[..., None]).squeeze(-1)
         ended = self.done.all(-1)
-        arrival = leg["now"] + duration
+        arrival = seen.now + duration
         t_max = self.batch.t_max[:, None].expand_as(self.arrive).gather(-1, active).squeeze(-1)
-        broke = ~leg["keeps_rule"].gather(-1, choice[..., None]).squeeze(-1) & ~ended
+        broke = ~seen.keeps_rule.gather(-1, choice[..., None]).squeeze(-1) & ~ended
         self.misses = self.misses + broke
-        self.length = self.length + torch.where(moves, distance, 0.0)
-        overrun = (arrival - t_max).clamp(min=0) - (leg["now"] - t_max).clamp(min=0)
+        overrun = (arrival - t_max).clamp(min=0) - (seen.now - t_max).clamp(min=0)
         self.late = self.late + torch.where(moves, overrun, 0.0)
-        here = _pick(self.target, leg["active"])
+        here = _pick(self.target, seen.active)
         there = self.batch.waypoints[:, None].expand(-1, choice.shape[1], -1, -1)
         there = there.gather(2, waypoint[..., None, None].expand(-1, -1, 1, 3)).squeeze(2)
-        self._move(active, moves, leg["now"], arrival, here, there, waypoint)
+        self.length = self.length + torch.where(moves, (there - here).norm(dim=-1), 0.0)
+        self._move(active, moves, seen.now, arrival, here, there, waypoint)
 
     def _move(
         self,
@@ -178,7 +148,7 @@ class Episode:
         window = torch.where(torch.isfinite(window), window, 0.0)
         alone = ~torch.isfinite(others_free)
         flown = torch.where(alone[..., None], duration, torch.minimum(window[..., None], duration))
-        share = flown / duration.clamp(min=1e-9)
+        share = flown / duration.clamp(min=LEAST_LENGTH)
         is_active = torch.zeros_like(self.done).scatter(-1, active[..., None], True)
         reach = self._pair_reach.expand(-1, active.shape[1], -1, -1)
         own_reach = _pick(reach, active)
@@ -206,7 +176,7 @@ class Episode:
 
     def _positions(self, time: Tensor) -> Tensor:
         """Where every UAV is (B, P, A, 3) at a time (B, P)."""
-        span = (self.arrive - self.depart).clamp(min=1e-9)
+        span = (self.arrive - self.depart).clamp(min=LEAST_LENGTH)
         share = ((time[..., None] - self.depart) / span).clamp(0, 1)
         return self.origin + (self.target - self.origin) * share[..., None]
 
