@@ -125,7 +125,8 @@ def check_rule(episode: Episode, b: int, p: int, t: int, other: float) -> None:
                 y = here[1] + (problems.waypoints[b, j, 1] - here[1]) * share
                 z = here[2] + (problems.waypoints[b, j, 2] - here[2]) * share
                 keeps[j] &= _links_at(episode, b, active, x, y, z)[1]
-        own, enough = _links_at(episode, b, active, here[0], here[1], here[2])
+        x, y, z = np.float64(here[0]), np.float64(here[1]), np.float64(here[2])
+        own, enough = _links_at(episode, b, active, x, y, z)
         keeps[waypoints] &= enough
     for a in range(uavs):
         if a != active:
