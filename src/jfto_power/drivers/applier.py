@@ -7,7 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from jfto_msgs_py.errors import JftoError
+from jfto_msgs_py.retry import Retry
 from jfto_power.drivers.driver import RadioDriver
+
+RETRY = Retry(first_s=2.0, ceiling_s=2.0)
 
 
 @dataclass(frozen=True)
@@ -28,6 +31,8 @@ class _Radio:
     state: RadioState
     tried_s: float = -math.inf
     pending: bool = False
+    # Tries in a row that came to nothing.
+    failed: int = 0
 
 
 class Applier:
@@ -35,7 +40,7 @@ class Applier:
 
     A radio is touched at most every `interval_s` seconds; a setpoint that comes earlier waits, and
     a newer one replaces it. A radio that fails or disobeys by more than `tolerance_db` is tried
-    again after `retry_s`; one that obeys is read again after `recheck_s`, since radios restart.
+    again as `retry` says; one that obeys is read again after `recheck_s`, since radios restart.
     """
 
     def __init__(
@@ -45,14 +50,14 @@ class Applier:
         *,
         interval_s: float = 0.0,
         tolerance_db: float = 1.0,
-        retry_s: float = 2.0,
+        retry: Retry = RETRY,
         recheck_s: float = 10.0,
     ) -> None:
         self._driver = driver
         self._radios = {uav_id: _Radio(RadioState(uav_id)) for uav_id in uav_ids}
         self._interval_s, self._tolerance_db = interval_s, tolerance_db
-        self._retry_s = max(retry_s, interval_s)
-        self._recheck_s = max(recheck_s, interval_s)
+        self._retry = retry
+        self._recheck_s = recheck_s
 
     def state(self, uav_id: str) -> RadioState:
         """What is known of a radio."""
@@ -73,13 +78,15 @@ class Applier:
             radio.tried_s = now_s
             radio.state = self._touch(radio.state, radio.pending or bool(radio.state.trouble))
             radio.pending = False
+            radio.failed = radio.failed + 1 if radio.state.trouble else 0
             touched.append(radio.state)
         return touched
 
     def _due_s(self, radio: _Radio) -> float:
         if radio.pending:
             return radio.tried_s + self._interval_s
-        return radio.tried_s + (self._retry_s if radio.state.trouble else self._recheck_s)
+        wait_s = self._retry.wait_s(radio.failed) if radio.failed else self._recheck_s
+        return radio.tried_s + max(math.inf if wait_s is None else wait_s, self._interval_s)
 
     def _touch(self, state: RadioState, setting: bool) -> RadioState:
         uav_id, wanted = state.uav_id, state.wanted_dbm

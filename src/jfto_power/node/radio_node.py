@@ -18,11 +18,11 @@ from jfto_msgs_py.ros.diagnostics import ERROR, OK, WARN, Status
 from jfto_msgs_py.ros.graph_node import GraphNode
 from jfto_msgs_py.scenario import Scenario
 from jfto_power.drivers import Applier, IwDriver, LogDriver, RadioDriver, RadioState, SimDriver
+from jfto_power.drivers.applier import RETRY
 from jfto_power.options import RadioOptions, served_ids
 
 # How often what waits is looked at.
 _LOOK_S = 0.25
-_RETRY_S = 2.0
 
 
 class RadioNode(GraphNode[RadioOptions]):
@@ -50,7 +50,6 @@ class RadioNode(GraphNode[RadioOptions]):
             self._served,
             interval_s=options.interval_s if options.driver == "iw" else 0.0,
             tolerance_db=options.tolerance_db,
-            retry_s=_RETRY_S,
         )
         self._applied = {}
         for uav in self._served:
@@ -119,7 +118,7 @@ class RadioNode(GraphNode[RadioOptions]):
         uav = state.uav_id
         if state.trouble and uav not in self._troubled:
             self._troubled.add(uav)
-            text = f"{state.trouble} Set again every {_RETRY_S:g} s until it obeys."
+            text = f"{state.trouble} Set again every {RETRY.first_s:g} s until it obeys."
             self.announce(Event(ERROR_EVENT, "radio", uav, " ".join(text.split())))
         elif not state.trouble and uav in self._troubled:
             self._troubled.discard(uav)

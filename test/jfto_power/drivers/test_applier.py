@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from jfto_msgs_py.retry import Retry
 from jfto_power.drivers import Applier, LogDriver, RadioError
 
 
@@ -49,7 +50,7 @@ def test_nothing_is_done_before_a_setpoint(radio):
 
 def test_a_failing_radio_is_tried_again_until_it_obeys(radio):
     """Every two seconds; the trouble is the driver's own words."""
-    applier = Applier(radio, ["uav1"], retry_s=2.0)
+    applier = Applier(radio, ["uav1"], retry=Retry(first_s=2.0, ceiling_s=2.0))
     radio.broken = "cable is out."
     applier.want("uav1", 20.0)
     (state,) = applier.step(0.0)
