@@ -81,7 +81,7 @@ def record(
     """
     from jfto.bag.choice import Choice
     from jfto.bag.recorder import PARAMETERS_NAME, BagRecorder
-    from jfto.supervision.die_with_parent import die_with_parent
+    from jfto.supervision.process import die_with_parent
     from jfto_msgs_py.errors import InputError
     from jfto_msgs_py.files import read_text, write_file
 

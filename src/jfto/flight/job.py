@@ -7,7 +7,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
@@ -20,8 +20,7 @@ from jfto.flight.screen.state import FlightState
 from jfto.flight.screen.tracker import FlightTracker
 from jfto.flight.settings import ConductSettings
 from jfto.pipeline.directory import LOG_NAME
-from jfto.supervision.back_off import BackOffSettings
-from jfto.supervision.process import NodeCommand
+from jfto.supervision.process import RESTARTS, NodeCommand
 from jfto.supervision.supervisor import Death, Supervisor
 from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.ros.installation import require_ros
@@ -34,7 +33,7 @@ _SHOW_EVERY_S = 0.5
 _LAST_EVENTS_S = 3.0
 # Without one of these there is no flight; the rest is started again for as long as it lasts.
 ESSENTIAL = ("mavlink_bridge", "simulated_fleet")
-_BACK_OFF = BackOffSettings(give_up_after=1000)
+_RESTARTS = replace(RESTARTS, tries=1000)
 
 
 class Operator(Protocol):
@@ -108,7 +107,7 @@ class _Graph:
             job.nodes,
             job.directory,
             self._tell,
-            _BACK_OFF,
+            _RESTARTS,
             essential,
             self.deaths.put,
         )

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 
 from jfto.nodes import NODES
-from jfto.supervision.die_with_parent import die_with_parent
+from jfto.supervision.process import die_with_parent
 
 
 def main(arguments: Sequence[str]) -> int:

@@ -2,25 +2,34 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
+import os
 import queue
 import time
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from jfto.supervision.back_off import BackOff, BackOffSettings
-from jfto.supervision.held import held
-from jfto.supervision.log_tail import LogTail
-from jfto.supervision.process import NodeCommand, Process, ending
+from jfto.supervision.process import (
+    RESTARTS,
+    BackOff,
+    LogTail,
+    NodeCommand,
+    Process,
+    ending,
+)
 from jfto.supervision.shared_memory import SharedMemory
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.files import write_file
+from jfto_msgs_py.retry import Retry
 
 # How often logs are looked at for errors.
 _LOOK_S = 0.5
 STATUS_NAME = "status.json"
 LOGS = "logs"
+LOCK_NAME = ".in-use"
 
 
 @dataclass
@@ -72,13 +81,12 @@ class Supervisor:
         nodes: Sequence[NodeCommand],
         directory: Path,
         tell: Callable[[str, str], None],
-        settings: BackOffSettings | None = None,
+        restarts: Retry = RESTARTS,
         essential: Collection[str] | None = None,
         died: Callable[[Death], None] = lambda _death: None,
     ) -> None:
-        chosen = settings or BackOffSettings()
         self._slots = [
-            _Slot(node, BackOff(chosen), LogTail(directory / LOGS / f"{node.name}.log"))
+            _Slot(node, BackOff(restarts), LogTail(directory / LOGS / f"{node.name}.log"))
             for node in nodes
         ]
         self._directory = directory
@@ -197,3 +205,27 @@ class Supervisor:
             for slot in self._slots
         }
         write_file(self._directory / STATUS_NAME, json.dumps(state, indent=1) + "\n")
+
+
+@contextmanager
+def held(directory: Path) -> Iterator[None]:
+    """Keep other graphs out of a directory for as long as the context lasts; raises InputError.
+
+    Its plan, energy account and logs are not for two. The kernel gives the directory free however
+    the process ends.
+    """
+    with (directory / LOCK_NAME).open("a+", encoding="ascii") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            lock.seek(0)
+            owner = lock.read().strip() or "unknown"
+            raise InputError(
+                f"{directory}: another graph writes there (process {owner}). End it, or name "
+                "another directory with --out. Nothing was started."
+            ) from None
+        lock.seek(0)
+        lock.truncate()
+        lock.write(f"{os.getpid()}\n")
+        lock.flush()
+        yield

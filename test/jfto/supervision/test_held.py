@@ -9,13 +9,13 @@ import sys
 
 import pytest
 
-from jfto.supervision.held import held
+from jfto.supervision.supervisor import held
 from jfto_msgs_py.errors import InputError
 
 HOLDER = """
 import sys
 from pathlib import Path
-from jfto.supervision.held import held
+from jfto.supervision.supervisor import held
 with held(Path(sys.argv[1])):
     print("held", flush=True)
     sys.stdin.read()

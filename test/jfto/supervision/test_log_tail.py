@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from jfto.supervision.log_tail import LogTail
+from jfto.supervision.process import LogTail
 
 
 def test_each_error_is_told_once_and_in_full(tmp_path) -> None:

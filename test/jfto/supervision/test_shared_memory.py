@@ -10,12 +10,12 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from jfto.supervision.back_off import BackOffSettings
-from jfto.supervision.process import NodeCommand
+from jfto.supervision.process import RESTARTS, NodeCommand
 from jfto.supervision.shared_memory import FOLDER, SharedMemory
 from jfto.supervision.supervisor import Supervisor
 
@@ -146,7 +146,7 @@ def test_a_graph_whose_node_was_killed_leaves_nothing(tmp_path) -> None:
     ]
     files: set[Path] = set()
     supervisor = Supervisor(
-        commands, tmp_path, lambda *_: None, BackOffSettings(first_s=0.01, give_up_after=3)
+        commands, tmp_path, lambda *_: None, replace(RESTARTS, first_s=0.01, tries=3)
     )
     thread = threading.Thread(target=supervisor.run)
     thread.start()

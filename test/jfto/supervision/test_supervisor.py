@@ -8,11 +8,11 @@ import signal
 import sys
 import threading
 import time
+from dataclasses import replace
 
 import pytest
 
-from jfto.supervision.back_off import BackOffSettings
-from jfto.supervision.process import NodeCommand
+from jfto.supervision.process import RESTARTS, NodeCommand
 from jfto.supervision.supervisor import Death, Supervisor
 
 LIMIT_S = 30.0
@@ -21,7 +21,7 @@ WAITER = (
     "import signal\nsignal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])\n"
     "print('up', flush=True)\nsignal.sigwait([signal.SIGINT])\n"
 )
-SETTINGS = BackOffSettings(first_s=0.01, greatest_s=0.05, give_up_after=3)
+SETTINGS = replace(RESTARTS, first_s=0.01, ceiling_s=0.05, tries=3)
 
 
 def _node(name: str, code: str) -> NodeCommand:
