@@ -10,6 +10,7 @@ import math
 
 METRES_PER_UNIT = 0.011131884502145034
 UNITS_PER_DEGREE = 1e7
+LOCATION_ALT_MAX_M = 83000.0  # what the autopilot's locations can hold
 
 
 def wrap_longitude(units: int) -> int:

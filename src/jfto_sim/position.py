@@ -12,8 +12,7 @@ from jfto_sim.commands import Command, CommandHandler
 from jfto_sim.config import VehicleConfig
 from jfto_sim.dialect import ACCEPTED, FAILED, Message, mavlink
 from jfto_sim.estimator import Estimator
-from jfto_sim.geodesy import move, offset_m
-from jfto_sim.mission.items import LOCATION_ALT_MAX_M, WAYPOINT, Item
+from jfto_sim.geodesy import LOCATION_ALT_MAX_M, move, offset_m
 from jfto_sim.motion.body import Body
 from jfto_sim.ports import Ports
 
@@ -74,12 +73,15 @@ class Position:
             push = sigma_m * math.sqrt(1.0 - keep * keep)
             self._noise_m = keep * self._noise_m + push * self._noise.standard_normal(2)
 
-    def home_item(self) -> Item:
-        """Home as mission item 0: all zero before there is a position."""
+    def home(self) -> tuple[int, int, float]:
+        """Latitude, longitude (1e-7 degree) and height above sea level of home.
+
+        All zero before there is a position.
+        """
         if not self.known:
-            return Item(WAYPOINT)
+            return 0, 0, 0.0
         lat, lon = move(*self.origin, self.home_m[0], self.home_m[1])
-        return Item(WAYPOINT, x=lat, y=lon, z_m=self.config.home_alt_m + self.home_m[2])
+        return lat, lon, self.config.home_alt_m + self.home_m[2]
 
     @property
     def from_home_m(self) -> tuple[float, float, float]:
@@ -125,10 +127,10 @@ class Position:
 
     def home_message(self) -> Message:
         """HOME_POSITION; x, y, z are metres north, east, down of the EKF origin."""
-        home = self.home_item()
+        lat, lon, alt_m = self.home()
         east, north, up = self.home_m
         return mavlink.MAVLink_home_position_message(
-            home.x, home.y, round(home.z_m * 1000), north, east, -up, [_NAN] * 4, 0.0, 0.0, 0.0,
+            lat, lon, round(alt_m * 1000), north, east, -up, [_NAN] * 4, 0.0, 0.0, 0.0,
             self.clock.time_us,
         )  # fmt: skip
 

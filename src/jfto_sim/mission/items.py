@@ -6,13 +6,13 @@ import math
 from dataclasses import dataclass, field
 
 from jfto_sim.dialect import Message, mavlink
+from jfto_sim.geodesy import LOCATION_ALT_MAX_M
 from jfto_sim.parameters import as_float32
 
 MISSION, FENCE, RALLY = 0, 1, 2
 MISSION_CAPACITY = 650
 CAPACITY = {MISSION: MISSION_CAPACITY, FENCE: 83, RALLY: 19}
 
-LOCATION_ALT_MAX_M = 83000.0
 _DEGREES_MAX = 200.0  # below what 1e-7 degree in 32 bits can hold
 GLOBAL, RELATIVE, TERRAIN = 0, 3, 10
 _FRAMES = {0: GLOBAL, 2: GLOBAL, 5: GLOBAL, 3: RELATIVE, 6: RELATIVE, 10: TERRAIN, 11: TERRAIN}

@@ -9,7 +9,7 @@ from jfto_sim.clock import Clock
 from jfto_sim.dialect import DEBUG, INFO, WARNING, Message, mavlink
 from jfto_sim.mission import items as kinds
 from jfto_sim.mission.fence import fence_fault, fence_size
-from jfto_sim.mission.items import CAPACITY, FENCE, MISSION, RALLY, Item, Store
+from jfto_sim.mission.items import CAPACITY, FENCE, MISSION, RALLY, WAYPOINT, Item, Store
 from jfto_sim.parameters import ParameterProtocol
 from jfto_sim.ports import MessageHandler, Ports
 from jfto_sim.position import Position
@@ -295,7 +295,8 @@ class MissionProtocol:
         if not self._readable(m, port):
             return None
         if kind == MISSION and m.seq == 0:
-            return self.position.home_item()
+            lat, lon, alt_m = self.position.home()
+            return Item(WAYPOINT, x=lat, y=lon, z_m=alt_m)
         if m.seq >= self.store.count(kind):
             self._send_count(m, port)
             self._ack(m, port, mavlink.MAV_MISSION_ERROR)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from jfto_sim.commands import Command, CommandHandler
 from jfto_sim.dialect import ACCEPTED, DENIED, FAILED, Message, mavlink
 from jfto_sim.flight import Flight
-from jfto_sim.mission.items import LOCATION_ALT_MAX_M
+from jfto_sim.geodesy import LOCATION_ALT_MAX_M
 from jfto_sim.modes.auto import Auto
 from jfto_sim.modes.guided import Guided
 from jfto_sim.modes.mode import Mode, Modes

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import torch
 from torch import Tensor
 
@@ -23,13 +21,11 @@ from jfto_planner.policy.features import (
     TOUR,
     WORK_MOST,
 )
-
-if TYPE_CHECKING:
-    from jfto_planner.policy.network.environment import Episode
+from jfto_planner.policy.network.rollout_state import RolloutState, row_of
 
 
 def describe_state(
-    episode: Episode,
+    state: RolloutState,
     active: Tensor,
     now: Tensor,
     others_free: Tensor,
@@ -39,14 +35,14 @@ def describe_state(
     """T and K of the active UAV and of the fleet, (B, P, STATE_FEATURES), with what is `drawn` from
     the waypoints.
     """
-    batch = episode.batch
-    t_max = batch.t_max[:, None].expand_as(episode.arrive)
+    batch = state.batch
+    t_max = batch.t_max[:, None].expand_as(state.arrive)
     own_t_max = t_max.gather(-1, active[..., None]).squeeze(-1)
-    left = (~episode.visited).sum(-1).float()
+    left = (~state.visited).sum(-1).float()
     total = batch.waypoint_valid.sum(-1)[:, None].float()
-    flying = (~episode.done).sum(-1).float()
+    flying = (~state.done).sum(-1).float()
     uavs = batch.uav_valid.sum(-1)[:, None].float()
-    capacity = torch.where(episode.done, 0.0, (t_max - episode.arrive).clamp(min=0)).sum(-1)
+    capacity = torch.where(state.done, 0.0, (t_max - state.arrive).clamp(min=0)).sum(-1)
     need = batch.k_min[:, None].float().clamp(min=1)
     own_degree = degree.gather(-1, active[..., None]).squeeze(-1)
     least = torch.where(batch.uav_valid[:, None], degree, NO_DEGREE).amin(-1)
@@ -67,15 +63,15 @@ def describe_state(
 
 
 def describe_pairs(
-    episode: Episode, active: Tensor, now: Tensor, duration: Tensor, distance: Tensor
+    state: RolloutState, active: Tensor, now: Tensor, duration: Tensor, distance: Tensor
 ) -> tuple[Tensor, dict[str, Tensor]]:
     """What relates the active UAV to each waypoint, (B, P, W, PAIR_FEATURES), 0 where visited, and
     the features of the state that are drawn from it, each (B, P).
     """
-    batch, free = episode.batch, ~episode.visited
+    batch, free = state.batch, ~state.visited
     unit = batch.waypoint_valid.sum(-1)[:, None, None].float().sqrt()
-    t_max = batch.t_max[:, None].expand_as(episode.arrive).gather(-1, active[..., None])
-    rival, soonest = _rivals(episode, active, now)
+    t_max = batch.t_max[:, None].expand_as(state.arrive).gather(-1, active[..., None])
+    rival, soonest = _rivals(state, active, now)
     first, second, close = _others(batch.waypoints, free, unit)
     excess, drawn = _relative_to_nearest(free, distance, distance + first, rival, unit)
     sooner = (soonest - duration).clamp(-SOONER_MOST, SOONER_MOST)
@@ -88,7 +84,7 @@ def describe_pairs(
         "log_second": (second * unit).log1p(),
         "log_excess": excess[0],
         "sooner": sooner * unit / AWAY_SCALE,
-        "turn": _turn(episode, active, distance),
+        "turn": _turn(state, active, distance),
         "close": close / CLOSE_SCALE,
         "log_excess_next": excess[1],
     }
@@ -117,15 +113,15 @@ def _relative_to_nearest(
     return (excess(distance), excess(ahead)), drawn
 
 
-def _rivals(episode: Episode, active: Tensor, now: Tensor) -> tuple[Tensor, Tensor]:
+def _rivals(state: RolloutState, active: Tensor, now: Tensor) -> tuple[Tensor, Tensor]:
     """Distance (B, P, W) of the nearest other UAV in flight, and the least time until one of them
     could be at each waypoint.
     """
-    waypoints = episode.batch.waypoints[:, None].expand(-1, active.shape[1], -1, -1)
-    gap = torch.cdist(waypoints, episode.target, compute_mode="donot_use_mm_for_euclid_dist")
-    out = episode.done.scatter(-1, active[..., None], True)[..., None, :]
-    wait = (episode.arrive - now[..., None]).clamp(min=0)[..., None, :]
-    soonest = wait + gap / episode.batch.speed[:, None, None]
+    waypoints = state.batch.waypoints[:, None].expand(-1, active.shape[1], -1, -1)
+    gap = torch.cdist(waypoints, state.target, compute_mode="donot_use_mm_for_euclid_dist")
+    out = state.done.scatter(-1, active[..., None], True)[..., None, :]
+    wait = (state.arrive - now[..., None]).clamp(min=0)[..., None, :]
+    soonest = wait + gap / state.batch.speed[:, None, None]
     rival = torch.where(out, torch.inf, gap).amin(-1).clamp(max=NO_RIVAL)
     return rival, torch.where(out, torch.inf, soonest).amin(-1).clamp(max=NO_RIVAL)
 
@@ -143,10 +139,9 @@ def _others(waypoints: Tensor, free: Tensor, unit: Tensor) -> tuple[Tensor, Tens
     return nearest[..., 0], nearest[..., -1], close
 
 
-def _turn(episode: Episode, active: Tensor, distance: Tensor) -> Tensor:
+def _turn(state: RolloutState, active: Tensor, distance: Tensor) -> Tensor:
     """Cosine (B, P, W) between the last leg and the next; 0 before the first."""
-    index = active[..., None, None].expand(-1, -1, 1, 3)
-    here = episode.target.gather(2, index)
-    heading = here - episode.origin.gather(2, index)
-    along = ((episode.batch.waypoints[:, None] - here) * heading).sum(-1)
+    here = row_of(state.target, active)[..., None, :]
+    heading = here - row_of(state.origin, active)[..., None, :]
+    along = ((state.batch.waypoints[:, None] - here) * heading).sum(-1)
     return along / (heading.norm(dim=-1) * distance).clamp(min=LEAST_LENGTH)

@@ -14,32 +14,24 @@ from torch import Tensor
 
 from jfto_planner.policy.features import CHECKED_FRACTIONS, LEAST_LENGTH
 from jfto_planner.policy.network.describe import describe_pairs, describe_state
+from jfto_planner.policy.network.rollout_state import RolloutState, row_of
 from jfto_planner.policy.observation import Observation
 from jfto_planner.policy.problems import Problems
 
 
-class Episode:
-    """State of B × P rollouts; `visited` (B, P, W), `length` (B, P) in extents.
+class Episode(RolloutState):
+    """What may be chosen in B × P rollouts and what it costs; `length` (B, P) in extents.
 
     `misses` (B, P) counts choices that broke the neighbour rule for want of a better one, `late`
     (B, P) sums the time by which UAVs overran T_a,max. Rollouts end after A + W steps.
     """
 
     def __init__(self, batch: Problems[Tensor], rollouts: int) -> None:
-        self.batch = batch
+        super().__init__(batch, rollouts)
         shape = (batch.size, rollouts)
-        start = batch.starts.gather(1, batch.start_of[..., None].expand(-1, -1, 3))
-        start = start[:, None].expand(-1, rollouts, -1, -1)
-        self.origin = start.clone()
-        self.target = start.clone()
-        self.depart = start.new_zeros(start.shape[:-1])
-        self.arrive = start.new_zeros(start.shape[:-1])
-        self.done = ~batch.uav_valid[:, None].expand(-1, rollouts, -1)
-        self.visited = ~batch.waypoint_valid[:, None].expand(-1, rollouts, -1)
-        self.node = batch.start_of[:, None].expand(-1, rollouts, -1).clone()
-        self.length = start.new_zeros(shape)
-        self.misses = start.new_zeros(shape)
-        self.late = start.new_zeros(shape)
+        self.length = batch.starts.new_zeros(shape)
+        self.misses = batch.starts.new_zeros(shape)
+        self.late = batch.starts.new_zeros(shape)
         reach = torch.minimum(batch.reach[:, :, None], batch.reach[:, None, :])
         self._pair_reach = reach[:, None]
         # Padding has no reach, so it is no one's neighbour; it needs none itself.
@@ -57,7 +49,7 @@ class Episode:
         # Rollouts that ended early keep stopping their first UAV; that changes nothing.
         now, active = clock.min(-1)
         now = torch.where(torch.isfinite(now), now, 0.0)
-        here = _pick(self.target, active)
+        here = row_of(self.target, active)
         others_free = clock.scatter(-1, active[..., None], torch.inf).amin(-1)
         step = self.batch.waypoints[:, None] - here[..., None, :]
         duration = self._leg_time(step, active)
@@ -87,37 +79,11 @@ class Episode:
         self.misses = self.misses + broke
         overrun = (arrival - t_max).clamp(min=0) - (seen.now - t_max).clamp(min=0)
         self.late = self.late + torch.where(moves, overrun, 0.0)
-        here = _pick(self.target, seen.active)
+        here = row_of(self.target, seen.active)
         there = self.batch.waypoints[:, None].expand(-1, choice.shape[1], -1, -1)
         there = there.gather(2, waypoint[..., None, None].expand(-1, -1, 1, 3)).squeeze(2)
         self.length = self.length + torch.where(moves, (there - here).norm(dim=-1), 0.0)
-        self._move(active, moves, seen.now, arrival, here, there, waypoint)
-
-    def _move(
-        self,
-        active: Tensor,
-        moves: Tensor,
-        now: Tensor,
-        arrival: Tensor,
-        here: Tensor,
-        there: Tensor,
-        waypoint: Tensor,
-    ) -> None:
-        """Send the active UAV on its leg, or let it hold for good."""
-        vector = active[..., None].expand(-1, -1, 1, 3)
-        self.origin = self.origin.scatter(2, vector, here[..., None, :])
-        goal = torch.where(moves[..., None], there, here)
-        self.target = self.target.scatter(2, vector, goal[..., None, :])
-        self.depart = self.depart.scatter(2, active, now[..., None])
-        until = torch.where(moves, arrival, now)
-        self.arrive = self.arrive.scatter(2, active, until[..., None])
-        was_done = self.done.gather(2, active).squeeze(-1)
-        self.done = self.done.scatter(2, active, (was_done | ~moves)[..., None])
-        seen = self.visited.gather(2, waypoint[..., None]).squeeze(-1)
-        self.visited = self.visited.scatter(2, waypoint[..., None], (seen | moves)[..., None])
-        old = self.node.gather(2, active).squeeze(-1)
-        new = torch.where(moves, waypoint + self.batch.starts.shape[1], old)
-        self.node = self.node.scatter(2, active, new[..., None])
+        self.move(active, moves, seen.now, arrival, there, waypoint)
 
     def _leg_time(self, step: Tensor, active: Tensor) -> Tensor:
         """Time of the direct legs (B, P, W) of the active UAV, as in ConstantSpeed."""
@@ -151,10 +117,10 @@ class Episode:
         share = flown / duration.clamp(min=LEAST_LENGTH)
         is_active = torch.zeros_like(self.done).scatter(-1, active[..., None], True)
         reach = self._pair_reach.expand(-1, active.shape[1], -1, -1)
-        own_reach = _pick(reach, active)
+        own_reach = row_of(reach, active)
         keeps = torch.ones_like(share[..., :1], dtype=torch.bool)
         for fraction in CHECKED_FRACTIONS:
-            others = self._positions(now + fraction * window)
+            others = self.positions(now + fraction * window)
             linked = torch.cdist(others, others) <= reach
             linked = linked & ~torch.eye(linked.shape[-1], dtype=torch.bool, device=linked.device)
             without = linked & ~is_active[..., None, :] & ~is_active[..., :, None]
@@ -174,12 +140,6 @@ class Episode:
         degree = torch.where(is_active, stay.sum(-1, keepdim=True), degree + stay)
         return keeps, degree
 
-    def _positions(self, time: Tensor) -> Tensor:
-        """Where every UAV is (B, P, A, 3) at a time (B, P)."""
-        span = (self.arrive - self.depart).clamp(min=LEAST_LENGTH)
-        share = ((time[..., None] - self.depart) / span).clamp(0, 1)
-        return self.origin + (self.target - self.origin) * share[..., None]
-
     def _allowed(
         self, active: Tensor, now: Tensor, duration: Tensor, others_free: Tensor, keeps: Tensor
     ) -> Tensor:
@@ -193,9 +153,3 @@ class Episode:
         poor = torch.cat([free, may_stop], dim=-1)
         allowed = torch.where(fair.any(-1, keepdim=True), fair, poor)
         return torch.where(good.any(-1, keepdim=True), good, allowed)
-
-
-def _pick(per_uav: Tensor, active: Tensor) -> Tensor:
-    """Row of the active UAV: (B, P, A, K) and (B, P) give (B, P, K)."""
-    index = active[..., None, None].expand(-1, -1, 1, per_uav.shape[-1])
-    return per_uav.gather(2, index).squeeze(2)
