@@ -7,6 +7,9 @@ import signal
 from pathlib import Path
 
 from jfto_msgs_py.ros.installation import require_ros
+from support.vehicles import pilots, vehicles
+
+__all__ = ["pilots", "vehicles"]
 
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"

@@ -19,8 +19,8 @@ from dataclasses import fields, replace
 
 from jfto_msgs_py.errors import InputError
 from jfto_sim.air import FleetAir
-from jfto_sim.endpoint import Station
 from jfto_sim.faults import LinkFaults
+from jfto_sim.station import Station
 
 _LINK_FIELDS = {f.name for f in fields(LinkFaults)}
 _SWITCHES = {

@@ -1,14 +1,10 @@
-"""Where a vehicle's port meets the network: UDP listening, UDP sending, TCP for one client."""
+"""Where a vehicle's port meets the network: UDP listening, UDP sending, TCP, or one with others."""
 
 from __future__ import annotations
 
 import socket
-from collections.abc import Sequence
 
-from jfto_msgs_py.errors import InputError, JftoError
-from jfto_sim.dialect import mavlink
-from jfto_sim.faults import LinkFaults, LossyPipe
-from jfto_sim.vehicle import Vehicle
+from jfto_msgs_py.errors import InputError
 
 _CHUNK = 4096
 _BACKLOG_MAX = 1 << 20
@@ -167,11 +163,70 @@ class TcpEndpoint:
         return host, port
 
 
+class SharedEndpoint:
+    """One vehicle's seat on an endpoint that several share, as radios of one net do.
+
+    What comes in reaches all of them, whoever it is for; what they send goes out there.
+    """
+
+    def __init__(self, medium: UdpEndpoint | TcpEndpoint, seats: list[SharedEndpoint]) -> None:
+        self._medium, self._seats = medium, seats
+        self._waiting: list[bytes] = []
+        seats.append(self)
+
+    def sockets(self) -> list[socket.socket]:
+        """Those of the medium, told once."""
+        return self._medium.sockets() if self._seats[0] is self else []
+
+    def receive(self) -> list[bytes]:
+        """What came in for all since this one last asked."""
+        for chunk in self._medium.receive():
+            for seat in self._seats:
+                seat._waiting.append(chunk)
+        waiting, self._waiting = self._waiting, []
+        return waiting
+
+    def send(self, frame: bytes) -> None:
+        """To whoever listens to the medium."""
+        self._medium.send(frame)
+
+    def drop(self) -> None:
+        """One vehicle's restart ends nobody's connection."""
+
+    def close(self) -> None:
+        """Leave; the last one closes the medium."""
+        if self in self._seats:
+            self._seats.remove(self)
+            if not self._seats:
+                self._medium.close()
+
+    @property
+    def address(self) -> tuple[str, int]:
+        """Local host and port."""
+        return self._medium.address
+
+
 # A non-blocking byte transport that never raises because of its peer.
-Endpoint = UdpEndpoint | TcpEndpoint
+Endpoint = UdpEndpoint | TcpEndpoint | SharedEndpoint
 
 
-def open_endpoint(text: str) -> Endpoint:
+class Endpoints:
+    """Opens endpoints; `shared:` before a text lets all that name it have one between them."""
+
+    def __init__(self) -> None:
+        self._shared: dict[str, tuple[UdpEndpoint | TcpEndpoint, list[SharedEndpoint]]] = {}
+
+    def open(self, text: str) -> Endpoint:
+        """An endpoint of its own, or a seat on a shared one; raises as `open_endpoint` does."""
+        kind, _, rest = text.partition(":")
+        if kind != "shared":
+            return open_endpoint(text)
+        if rest not in self._shared:
+            self._shared[rest] = (open_endpoint(rest), [])
+        return SharedEndpoint(*self._shared[rest])
+
+
+def open_endpoint(text: str) -> UdpEndpoint | TcpEndpoint:
     """Bind `tcp:HOST:PORT`, `udp:HOST:PORT` (listening) or `udpto:HOST:PORT` (sending).
 
     Port 0 takes a free one. Raises InputError for other texts, and where the address is taken.
@@ -192,85 +247,3 @@ def open_endpoint(text: str) -> Endpoint:
         raise InputError(
             f"Endpoint {text} cannot be opened: {error}. Choose another port."
         ) from error
-
-
-# Length of a frame's header, by its first byte.
-_HEADER_BYTES = {mavlink.PROTOCOL_MARKER_V1: 6, mavlink.PROTOCOL_MARKER_V2: 10}
-
-
-def position_ms(frame: bytes) -> int | None:
-    """The vehicle's time since power-up in a position that it sends, ms; None in other frames."""
-    header = _HEADER_BYTES[frame[0]]
-    number = frame[5:6] if frame[0] == mavlink.PROTOCOL_MARKER_V1 else frame[7:10]
-    if int.from_bytes(number, "little") != mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT:
-        return None
-    return int.from_bytes(frame[header : header + 4], "little")
-
-
-class Station:
-    """One vehicle with its endpoints (texts as of `open_endpoint`) and both directions of each.
-
-    `position_ns` is when the newest position that has left it was true, by its UTC; 0 before.
-    """
-
-    def __init__(self, vehicle: Vehicle, endpoints: Sequence[str], seed: int) -> None:
-        if len(endpoints) > len(vehicle.ports):
-            raise InputError(
-                f"Vehicle {vehicle.sysid} has {len(vehicle.ports)} ports, not {len(endpoints)}."
-            )
-        self.vehicle = vehicle
-        self.position_ns = 0
-        self.endpoints: list[Endpoint] = []
-        try:
-            for text in endpoints:
-                self.endpoints.append(open_endpoint(text))
-        except JftoError:
-            self.close()
-            raise
-        self.links = [
-            {
-                "to": LossyPipe(LinkFaults(), seed * 1000 + 2 * k),
-                "from": LossyPipe(LinkFaults(), seed * 1000 + 2 * k + 1),
-            }
-            for k in range(len(endpoints))
-        ]
-
-    def mend(self) -> None:
-        """All links clean again."""
-        for link in self.links:
-            for pipe in link.values():
-                pipe.faults = LinkFaults()
-
-    def reboot(self) -> None:
-        """Restart the vehicle; connections end."""
-        self.vehicle.reboot()
-        for endpoint in self.endpoints:
-            endpoint.drop()
-
-    def step(self, dt_s: float) -> None:
-        """Read, advance, send. Link delays count in the vehicle's time."""
-        vehicle = self.vehicle
-        now = vehicle.total_s
-        for k, endpoint in enumerate(self.endpoints):
-            pipe = self.links[k]["to"]
-            for chunk in endpoint.receive():
-                pipe.put(chunk, now)
-            for chunk in pipe.take(now + dt_s):
-                vehicle.handle(chunk, k)
-        boots = vehicle.boots
-        for port, frame in vehicle.advance(dt_s):
-            if port < len(self.links):
-                self.links[port]["from"].put(frame, vehicle.total_s)
-        for k, endpoint in enumerate(self.endpoints):
-            for frame in self.links[k]["from"].take(vehicle.total_s):
-                endpoint.send(frame)
-                at_ms = position_ms(frame)
-                if at_ms is not None:
-                    self.position_ns = (vehicle.clock.utc_at_boot_us + 1000 * at_ms) * 1000
-            if vehicle.boots != boots:
-                endpoint.drop()
-
-    def close(self) -> None:
-        """Give the sockets back."""
-        for endpoint in self.endpoints:
-            endpoint.close()

@@ -17,8 +17,9 @@ from jfto_msgs_py.errors import InputError, JftoError
 from jfto_sim import control
 from jfto_sim.air import FleetAir
 from jfto_sim.config import VehicleConfig
-from jfto_sim.endpoint import Station
+from jfto_sim.endpoint import Endpoints
 from jfto_sim.motion.waypoint_nav import warm_up
+from jfto_sim.station import Station
 from jfto_sim.vehicle import Vehicle
 
 _TICK_S, _STEP_MAX_S = 0.005, 0.5
@@ -48,6 +49,7 @@ def default_endpoints(count: int, host: str = "127.0.0.1") -> tuple[tuple[str, .
 class SimServer:
     """Runs vehicles in one thread of its own; everything else talks to them through `call`.
 
+    They are numbered from 1 in their order; two may have one system id, as on a real link.
     `air`, where given, lies between the radios of all vehicles in their order. `pace`, where given,
     is asked before each step, in the server's thread, with the seconds that have passed since the
     last one: by how many seconds the vehicles' time may go on, however fast it is to pass.
@@ -75,13 +77,14 @@ class SimServer:
         self._thread: threading.Thread | None = None
         self._control: socket.socket | None = None
         warm_up()
+        opening = Endpoints()
         try:
-            for config, texts in zip(configs, settings.endpoints, strict=True):
-                if config.sysid in self.stations:
-                    raise InputError(f"Two vehicles have the system id {config.sysid}.")
+            for number, config in enumerate(configs, 1):
                 vehicle = Vehicle(config)
                 vehicle.params.store("SIM_SPEEDUP", settings.speedup)
-                self.stations[config.sysid] = Station(vehicle, texts, settings.seed + config.sysid)
+                texts = settings.endpoints[number - 1]
+                seed = settings.seed + number
+                self.stations[number] = Station(vehicle, texts, seed, opening)
             if settings.control_port is not None:
                 self._control = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
                 self._control.setblocking(False)
@@ -92,9 +95,9 @@ class SimServer:
             self._close()
             raise
 
-    def addresses(self, sysid: int) -> list[tuple[str, int]]:
+    def addresses(self, number: int) -> list[tuple[str, int]]:
         """Host and port of each endpoint of a vehicle."""
-        return [endpoint.address for endpoint in self.stations[sysid].endpoints]
+        return [endpoint.address for endpoint in self.stations[number].endpoints]
 
     @property
     def control_address(self) -> tuple[str, int] | None:

@@ -3,6 +3,7 @@
 import select
 import socket
 import time
+from dataclasses import replace
 
 import pytest
 
@@ -197,10 +198,22 @@ def test_wrong_endpoints_are_refused(text):
         open_endpoint(text)
 
 
+def test_two_vehicles_with_one_system_id_on_a_shared_link_both_obey(clients):
+    """As on a radio net: one command, two acknowledgements, and two positions under one id."""
+    shared = ("shared:udp:127.0.0.1:0",)
+    configs = [replace(c, sysid=1, uid2=tuple(c.identity)) for c in fleet(2, spacing_m=50.0)]
+    with SimServer(configs, ServerSettings((shared,) * 2, speedup=10)) as server:
+        assert server.addresses(1) == server.addresses(2)
+        client = clients(server.addresses(1)[0])
+        client.send(ask_version(1))
+        identities = {tuple(client.wait("AUTOPILOT_VERSION").uid2) for _ in range(2)}
+        assert identities == {tuple(config.identity) for config in configs}
+        client.send(m.MAVLink_command_long_message(1, 1, 176, 0, 1, 9, 0, 0, 0, 0, 0))
+        until(lambda: all(s.vehicle.mode.number == 9 for s in server.stations.values()))
+
+
 def test_wrong_settings_are_refused():
-    """Twice the same system id, no endpoints, a taken port, a negative speed-up."""
-    with pytest.raises(InputError, match="system id 1"):
-        SimServer([VehicleConfig()] * 2, ServerSettings((UDP,) * 2))
+    """No endpoints, a taken port, a negative speed-up."""
     with pytest.raises(InputError, match="endpoints for 1"):
         SimServer(fleet(2), ServerSettings((UDP,)))
     with pytest.raises(InputError, match="speedup"):

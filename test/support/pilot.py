@@ -1,8 +1,15 @@
-"""A plain ground station in simulated time: talks to one `Vehicle` on one port, nothing lost."""
+"""A plain ground station: talks to one vehicle on one port and counts the vehicle's time.
+
+`Pilot` moves a `Vehicle` in simulated time, nothing lost; `LivePilot` listens to one that runs by
+itself behind a socket, simulated or real. A test that asks neither for `vehicle` runs on both.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import select
+import socket
+import time
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from jfto_msgs_py.errors import JftoError
@@ -13,6 +20,11 @@ from jfto_sim.vehicle import Vehicle
 READY_S = 43.0
 _SLICE_S = 0.05
 _HEARTBEAT_S = 1.0
+# the real height estimate wanders more than the simulated one
+_SETTLED_M = 0.5
+_PATIENCE_S = 120.0
+_CHUNK = 65536
+_POSITION_KNOWN = mavlink.EKF_POS_HORIZ_ABS
 
 
 class PilotError(JftoError):
@@ -30,10 +42,15 @@ class Heard:
 class Pilot:
     """Sends heartbeats, commands and missions; `heard` is everything the vehicle said."""
 
+    real = False
+
     def __init__(
         self, vehicle: Vehicle, port: int = 0, *, system: int = 255, component: int = 190
     ) -> None:
         self.vehicle, self.port = vehicle, port
+        self._listen(system, component)
+
+    def _listen(self, system: int, component: int) -> None:
         self.heard: list[Heard] = []
         self.codec = mavlink.MAVLink(None, system, component)
         self._codec_in = mavlink.MAVLink(None)
@@ -41,32 +58,61 @@ class Pilot:
         self._beat_s = 0.0
         self.beating = True
 
+    # --- what the two kinds of vehicle do in their own way ---
+
+    @property
+    def sysid(self) -> int:
+        """The vehicle's system id."""
+        return self.vehicle.sysid
+
+    @property
+    def now_s(self) -> float:
+        """The vehicle's time."""
+        return self.vehicle.total_s
+
+    def _put(self, frame: bytes) -> None:
+        self.vehicle.handle(frame, self.port)
+
+    def _pass(self, step_s: float) -> Iterable[bytes]:
+        """Let time pass; what came meanwhile."""
+        return [frame for port, frame in self.vehicle.advance(step_s) if port == self.port]
+
+    def ready(self) -> None:
+        """Wait until the vehicle may be armed."""
+        self.run(max(0.0, READY_S - self.vehicle.time_s))
+
+    # --- the rest is the same ---
+
     def send(self, message: Message) -> None:
         """One message, framed and numbered."""
         frame = message.pack(self.codec)
         self.codec.seq = (self.codec.seq + 1) % 256
-        self.vehicle.handle(bytes(frame), self.port)
+        self._put(bytes(frame))
 
     def run(self, seconds: float) -> list[Heard]:
         """Let time pass; returns what was heard meanwhile."""
-        first, left = len(self.heard), seconds
-        while left > 1e-9:
-            step = min(left, _SLICE_S)
-            left -= step
-            if self.beating and self.vehicle.total_s >= self._beat_s:
-                self._beat_s = self.vehicle.total_s + _HEARTBEAT_S
-                self.send(mavlink.MAVLink_heartbeat_message(6, 8, 0, 0, 0, 3))
-            for port, frame in self.vehicle.advance(step):
-                if port != self.port:
-                    continue
-                for message in self._codec_in.parse_buffer(frame) or []:
-                    self.heard.append(Heard(self.vehicle.time_s, message))
+        first, end = len(self.heard), self.now_s + seconds
+        while end - self.now_s > 1e-9:
+            self._go_on(min(end - self.now_s, _SLICE_S))
         return self.heard[first:]
+
+    def _go_on(self, step_s: float) -> None:
+        """A heartbeat if it is due, a moment of time, and what came in it."""
+        if self.beating and self.now_s >= self._beat_s:
+            self._beat_s = self.now_s + _HEARTBEAT_S
+            self.send(mavlink.MAVLink_heartbeat_message(6, 8, 0, 0, 0, 3))
+        for frame in self._pass(step_s):
+            for message in self._codec_in.parse_buffer(frame) or []:
+                if message.get_type() != "BAD_DATA":
+                    self._take(message)
+
+    def _take(self, message: Message) -> None:
+        self.heard.append(Heard(self.now_s, message))
 
     def wait(self, what: Callable[[Message], bool], limit_s: float = 5.0) -> Heard:
         """Run until a message that fits is heard; raises PilotError if none comes in time."""
-        end = self.vehicle.total_s + limit_s
-        while self.vehicle.total_s < end:
+        end = self.now_s + limit_s
+        while self.now_s < end:
             for heard in self.run(_SLICE_S):
                 if what(heard.message):
                     return heard
@@ -79,14 +125,20 @@ class Pilot:
     def command(self, number: int, *params: float) -> int:
         """COMMAND_LONG; returns the result of its acknowledgement."""
         values = [*params, *([0.0] * (7 - len(params)))]
-        self.send(mavlink.MAVLink_command_long_message(self.vehicle.sysid, 1, number, 0, *values))
+        self.send(mavlink.MAVLink_command_long_message(self.sysid, 1, number, 0, *values))
         ack = self.wait(lambda m: m.get_type() == "COMMAND_ACK" and m.command == number)
         return int(ack.message.result)
 
     def set_parameter(self, name: str, value: float) -> None:
         """PARAM_SET, waiting for its echo."""
-        self.send(mavlink.MAVLink_param_set_message(self.vehicle.sysid, 1, name.encode(), value, 9))
+        self.send(mavlink.MAVLink_param_set_message(self.sysid, 1, name.encode(), value, 9))
         self.wait(lambda m: m.get_type() == "PARAM_VALUE" and m.param_id == name)
+
+    def parameter(self, name: str) -> float:
+        """A parameter's value."""
+        self.send(mavlink.MAVLink_param_request_read_message(self.sysid, 1, name.encode(), -1))
+        heard = self.wait(lambda m: m.get_type() == "PARAM_VALUE" and m.param_id == name)
+        return float(heard.message.param_value)
 
     def every(self, message_id: int, period_s: float) -> None:
         """Ask for a message at a rate."""
@@ -94,7 +146,7 @@ class Pilot:
 
     def upload(self, items: Sequence[Item], kind: int = 0) -> int:
         """Upload items (item 0 of a mission is home); returns the MISSION_ACK's type."""
-        sysid = self.vehicle.sysid
+        sysid = self.sysid
         self.send(mavlink.MAVLink_mission_count_message(sysid, 1, len(items), kind))
         while True:
             heard = self.wait(lambda m: m.get_type() in ("MISSION_REQUEST", "MISSION_ACK"), 10.0)
@@ -106,13 +158,13 @@ class Pilot:
     def item_message(self, item: Item, seq: int, kind: int = 0) -> Message:
         """MISSION_ITEM_INT of an item."""
         return mavlink.MAVLink_mission_item_int_message(
-            self.vehicle.sysid, 1, seq, item.frame, item.command, 0, 1, *item.params,
+            self.sysid, 1, seq, item.frame, item.command, 0, 1, *item.params,
             item.x, item.y, item.z_m, kind,
         )  # fmt: skip
 
     def download(self, kind: int = 0) -> list[Message]:
         """All items as MISSION_ITEM_INT."""
-        sysid = self.vehicle.sysid
+        sysid = self.sysid
         self.send(mavlink.MAVLink_mission_request_list_message(sysid, 1, kind))
         count = self.wait_type("MISSION_COUNT").message.count
         items = []
@@ -121,24 +173,132 @@ class Pilot:
             items.append(self.wait_type("MISSION_ITEM_INT").message)
         return items
 
-    def ready(self) -> None:
-        """Wait until the vehicle may be armed."""
-        self.run(max(0.0, READY_S - self.vehicle.time_s))
-
     def take_off(self, height_m: float) -> None:
         """GUIDED, arm, climb and settle."""
         self.ready()
+        self.every(mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT, 0.2)
         for number, params in ((176, (1, 4)), (400, (1,)), (22, (0, 0, 0, 0, 0, 0, height_m))):
             if self.command(number, *params) != 0:
                 raise PilotError(f"Command {number} was refused before the takeoff.")
-        end = self.vehicle.total_s + 20.0 + height_m
-        while self.vehicle.total_s < end:
+        end = self.now_s + 20.0 + height_m
+        while self.now_s < end:
             self.run(1.0)
-            if abs(self.vehicle.flight.position.from_home_m[2] - height_m) < 0.3:
+            if abs(self.height_m - height_m) < _SETTLED_M:
                 self.run(5.0)
                 return
         raise PilotError(f"The vehicle did not reach {height_m:g} m.")
 
+    # --- what the vehicle last said of itself ---
+
+    def last(self, kind: str) -> Message:
+        """The newest message of a type; waits for one where there is none yet."""
+        for heard in reversed(self.heard):
+            if heard.message.get_type() == kind:
+                return heard.message
+        return self.wait_type(kind).message
+
+    @property
+    def mode(self) -> int:
+        """Number of the flight mode."""
+        return int(self.last("HEARTBEAT").custom_mode)
+
+    @property
+    def armed(self) -> bool:
+        """Whether the motors run."""
+        return bool(self.last("HEARTBEAT").base_mode & mavlink.MAV_MODE_FLAG_SAFETY_ARMED)
+
+    @property
+    def height_m(self) -> float:
+        """Metres above home."""
+        return float(self.last("GLOBAL_POSITION_INT").relative_alt) / 1000.0
+
+    def wait_mode(self, number: int, limit_s: float = 5.0) -> None:
+        """Run until a heartbeat shows a flight mode."""
+        self.wait(lambda m: m.get_type() == "HEARTBEAT" and m.custom_mode == number, limit_s)
+
+    def wait_text(self, text: str, limit_s: float = 5.0) -> Heard:
+        """Run until a STATUSTEXT that begins with `text` is heard."""
+        return self.wait(
+            lambda m: m.get_type() == "STATUSTEXT" and m.text.startswith(text), limit_s
+        )
+
     def texts(self) -> list[str]:
         """All STATUSTEXT heard so far."""
         return [h.message.text for h in self.heard if h.message.get_type() == "STATUSTEXT"]
+
+
+class LivePilot(Pilot):
+    """The same on a TCP port of a vehicle that runs by itself, on its own clock.
+
+    Raises PilotError where the vehicle falls silent for `_PATIENCE_S` seconds of the wall.
+    """
+
+    def __init__(
+        self,
+        address: tuple[str, int],
+        *,
+        real: bool,
+        sysid: int = 1,
+        system: int = 255,
+        component: int = 190,
+    ) -> None:
+        self.real = real
+        self._sysid, self._now_s = sysid, 0.0
+        self._socket = socket.create_connection(address, _PATIENCE_S)
+        self._listen(system, component)
+        wall_s = time.monotonic() + _PATIENCE_S
+        while not self._now_s and time.monotonic() < wall_s:
+            # asked again: what comes before the vehicle has powered up is lost
+            number = mavlink.MAV_CMD_SET_MESSAGE_INTERVAL
+            wanted = (mavlink.MAVLINK_MSG_ID_SYSTEM_TIME, _SLICE_S * 1e6, 0.0, 0.0, 0.0, 0.0, 0.0)
+            self.send(mavlink.MAVLink_command_long_message(sysid, 1, number, 0, *wanted))
+            self._go_on(_SLICE_S)
+
+    @property
+    def sysid(self) -> int:
+        """The vehicle's system id."""
+        return self._sysid
+
+    @property
+    def now_s(self) -> float:
+        """The vehicle's time as it last said."""
+        return self._now_s
+
+    def _put(self, frame: bytes) -> None:
+        self._socket.sendall(frame)
+
+    def _pass(self, step_s: float) -> Iterable[bytes]:
+        del step_s
+        ready, _, _ = select.select([self._socket], [], [], _PATIENCE_S)
+        data = self._socket.recv(_CHUNK) if ready else b""
+        if not data:
+            raise PilotError("The vehicle has fallen silent.")
+        return [data]
+
+    def _take(self, message: Message) -> None:
+        if message.get_type() == "SYSTEM_TIME":
+            self._now_s = message.time_boot_ms / 1000.0
+        super()._take(message)
+
+    def wait(self, what: Callable[[Message], bool], limit_s: float = 5.0) -> Heard:
+        """Run until a message that fits is heard; raises PilotError if none comes in time."""
+        end_s, wall_s = self.now_s + limit_s, time.monotonic() + _PATIENCE_S
+        while self.now_s < end_s and time.monotonic() < wall_s:
+            first = len(self.heard)
+            self._go_on(_SLICE_S)
+            for heard in self.heard[first:]:
+                if what(heard.message):
+                    return heard
+        raise PilotError(f"Nothing fitting was heard from the vehicle within {limit_s:g} s.")
+
+    def ready(self) -> None:
+        """Wait until the vehicle knows where it is; then its own checks may pass."""
+        self.every(mavlink.MAVLINK_MSG_ID_EKF_STATUS_REPORT, 0.5)
+        self.wait(
+            lambda m: m.get_type() == "EKF_STATUS_REPORT" and m.flags & _POSITION_KNOWN, READY_S * 2
+        )
+        self.run(2.0)
+
+    def close(self) -> None:
+        """Give the socket back."""
+        self._socket.close()
