@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import subprocess
@@ -81,6 +82,13 @@ def _run(*command: str) -> None:
     subprocess.run(command, check=True, capture_output=True, text=True, timeout=10)
 
 
+def _is_up(space: str) -> bool:
+    """Whether the host's interface carries: Fast DDS never again looks at one that did not."""
+    command = ["ip", "-n", space, "-json", "link", "show", "eth0"]
+    shown = subprocess.run(command, check=True, capture_output=True, timeout=10).stdout
+    return json.loads(shown)[0]["operstate"] == "UP"
+
+
 def _reason_to_skip() -> str:
     if shutil.which("ip") is None:
         return "ip is not installed"
@@ -127,6 +135,8 @@ class _Hosts:
         assert forwarder.stdout is not None
         stack.callback(forwarder.stdout.close)
         assert forwarder.stdout.readline() == "ready\n"
+        for host in HOSTS:
+            _until(lambda space=f"{self._prefix}{host}": _is_up(space))
 
     def _namespace(self, host: str) -> str:
         name = f"{self._prefix}{host}"
