@@ -42,11 +42,11 @@ from jfto_mavlink.ros_messages import (
 from jfto_msgs_py.errors import InputError, JftoError
 from jfto_msgs_py.records.event import INFO, Event
 from jfto_msgs_py.ros import qos, topics
+from jfto_msgs_py.ros.clock import TickedClock
 from jfto_msgs_py.ros.diagnostics import Status
 from jfto_msgs_py.ros.graph_node import GraphNode
 from jfto_msgs_py.ros.opening import Opening
 from jfto_msgs_py.ros.stamps import encode_time
-from jfto_msgs_py.ros.ticked_clock import TickedClock
 from jfto_msgs_py.ros.vehicle import decode_trajectory, encode_pose
 from jfto_msgs_py.scenario import Scenario
 

@@ -1,19 +1,45 @@
-"""Plans on disk: JSON that others can read, the same bytes for the same plan."""
+"""Plans on disk: JSON that others can read, the same bytes for the same plan, read strictly."""
 
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import json
 import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
-from jfto_msgs_py.files import read_text, write_file
-from jfto_msgs_py.plan_reader import PLAN, UAV_LIMITS, plan_of_text
+from jfto_msgs_py.errors import PlanError
+from jfto_msgs_py.files import FileKind, read_text, record_of_text, write_file
 from jfto_msgs_py.records.certificate import Certificate
-from jfto_msgs_py.records.plan import PLAN_FORMAT, PLAN_VERSION, Plan, Route, Uav, Waypoint
+from jfto_msgs_py.records.fields import FILLED, MAY_LACK, Range
+from jfto_msgs_py.records.plan import (
+    PLAN_FORMAT,
+    PLAN_VERSION,
+    Origin,
+    Plan,
+    Route,
+    Slots,
+    Uav,
+    Vector,
+    Waypoint,
+)
+from jfto_msgs_py.records.radio import Radio
+
+PLAN = FileKind(
+    "plan",
+    "Write the plan anew with jfto plan SCENARIO.",
+    denial="is not a plan",
+    format=PLAN_FORMAT,
+    version=PLAN_VERSION,
+    size_limit=500_000_000,
+    error=PlanError,
+)
+UAV_LIMITS = ("p_max_dbm", "energy_j", "t_max_s", "speed_mps", "climb_mps", "descent_mps")
 
 # Micrometres and microseconds: finer than any of it can be known, coarse enough that the last
 # digit of a sum does not depend on the machine.
@@ -125,3 +151,136 @@ def _uav_object(uav: Uav, route: Route) -> dict[str, Any]:
 def _certificate_object(certificate: Certificate) -> dict[str, Any]:
     plain: dict[str, Any] = _plain(dataclasses.asdict(certificate))
     return plain
+
+
+Text = Annotated[str, FILLED]
+Positive = Annotated[float, Range(0.0, above=True)]
+NotNegative = Annotated[float, Range(0.0)]
+Count = Annotated[int, Range(0)]
+
+
+@dataclass(frozen=True)
+class _Origin:
+    lat: Annotated[float, Range(-90, 90)]
+    lon: Annotated[float, Range(-180, 180)]
+    alt_m: float
+
+
+@dataclass(frozen=True)
+class _Uav:
+    """A UAV and its route, which are one object in the file."""
+
+    id: Text
+    p_max_dbm: float
+    energy_j: Positive
+    t_max_s: Positive
+    speed_mps: Positive
+    climb_mps: Positive
+    descent_mps: Positive
+    start_m: Vector
+    route: tuple[Count, ...]
+    arrival_s: tuple[NotNegative, ...]
+    length_m: NotNegative
+
+
+@dataclass(frozen=True)
+class _Document:
+    """The members of a plan file. Plans at constant speed, the first, had no time_parameters."""
+
+    scenario_hash: Text
+    seed: Count
+    origin: _Origin
+    radio: Radio
+    k_min: Annotated[int, Range(1)]
+    delta: Count
+    d_min_m: NotNegative
+    length_max_m: NotNegative
+    time_model: Text
+    slots: Slots
+    waypoints: tuple[Waypoint, ...]
+    uavs: tuple[_Uav, ...]
+    positions_m: tuple[tuple[Vector, ...], ...]
+    trajectories: tuple[Mapping[str, Any], ...]
+    certificate: Certificate | None
+    time_parameters: Mapping[str, float] = field(default_factory=dict, metadata=MAY_LACK)
+
+
+def plan_of_text(text: str, path: Path) -> Plan:
+    """Plan of a JSON text; `path` names it in errors. Raises PlanError."""
+    document = record_of_text(text, str(path), _Document, PLAN)
+    fault = next(_faults(document), None)
+    if fault is not None:
+        raise PlanError(f"{path}: {fault}")
+    return Plan(
+        scenario_hash=document.scenario_hash,
+        seed=document.seed,
+        origin=Origin(document.origin.lat, document.origin.lon, document.origin.alt_m),
+        radio=document.radio,
+        k_min=document.k_min,
+        delta=document.delta,
+        d_min_m=document.d_min_m,
+        length_max_m=document.length_max_m,
+        slots=document.slots,
+        waypoints=document.waypoints,
+        uavs=tuple(
+            Uav(uav.id, start_m=uav.start_m, **{name: getattr(uav, name) for name in UAV_LIMITS})
+            for uav in document.uavs
+        ),
+        routes=tuple(Route(uav.route, uav.arrival_s, uav.length_m) for uav in document.uavs),
+        positions_m=np.array(document.positions_m, dtype=np.float64),
+        certificate=document.certificate,
+        time_model=document.time_model,
+        time_parameters=document.time_parameters,
+        trajectories=tuple(map(dict, document.trajectories)),
+    )
+
+
+def _faults(document: _Document) -> Iterator[str]:
+    """What members that are right by themselves contradict in one another."""
+    uavs, known = document.uavs, {waypoint.id for waypoint in document.waypoints}
+    if not uavs:
+        yield "uavs is empty. A plan needs at least one UAV."
+    if document.k_min >= len(uavs):
+        yield (
+            f"k_min is {document.k_min}, but {len(uavs)} UAVs can have at most {len(uavs) - 1} "
+            "neighbours. Correct one of them."
+        )
+    yield from _doubled("waypoints", [waypoint.id for waypoint in document.waypoints])
+    yield from _doubled("uavs", [uav.id for uav in uavs])
+    for index, uav in enumerate(uavs):
+        yield from _route_faults(f"uavs[{index}]", uav, known)
+    yield from _wrong_count("positions_m", document.positions_m, len(uavs))
+    for index, positions in enumerate(document.positions_m):
+        yield from _wrong_count(f"positions_m[{index}]", positions, document.slots.count + 1)
+    floors = () if document.certificate is None else document.certificate.energy_floor_j
+    if floors:
+        yield from _wrong_count("certificate.energy_floor_j", floors, len(uavs))
+
+
+def _route_faults(where: str, uav: _Uav, known: set[int]) -> Iterator[str]:
+    for index, waypoint in enumerate(uav.route):
+        if waypoint not in known:
+            yield (
+                f"{where}.route[{index}] is {waypoint}, but waypoints has no such id. Correct the "
+                "route."
+            )
+    times = uav.arrival_s
+    if len(times) != len(uav.route):
+        yield (
+            f"{where}.arrival_s has {len(times)} times for {len(uav.route)} waypoints. Give one "
+            "per waypoint."
+        )
+    if any(later < earlier for earlier, later in itertools.pairwise(times)):
+        yield f"{where}.arrival_s runs backwards. Times must not decrease."
+
+
+def _doubled(where: str, ids: Sequence[int | str]) -> Iterator[str]:
+    first = {name: index for index, name in reversed(list(enumerate(ids)))}
+    for index, name in enumerate(ids):
+        if first[name] != index:
+            yield f"{where}[{index}].id is {name!r} a second time. Ids must differ."
+
+
+def _wrong_count(where: str, entries: Sequence[Any], count: int) -> Iterator[str]:
+    if len(entries) != count:
+        yield f"{where} has {len(entries)} entries, needs {count}. {PLAN.cure}"

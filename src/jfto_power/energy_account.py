@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from jfto_msgs_py.clock_watch import SET_BACK_NS
+from jfto_msgs_py.core import SET_BACK_NS
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.records.fields import Range
 

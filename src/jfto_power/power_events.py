@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from jfto_msgs_py.episodes import Episodes
+from jfto_msgs_py.core import Episodes
 from jfto_msgs_py.records.event import ERROR, INFO, WARN, Event
 from jfto_power.horizon import HorizonPower
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from jfto_msgs_py.episodes import Episodes
+from jfto_msgs_py.core import Episodes
 from jfto_msgs_py.records.event import ERROR, INFO, WARN, Event
 from jfto_topology.horizon import HorizonTopology
 from jfto_world.motion.fleet_prediction import FleetPrediction

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from jfto_msgs_py.episodes import Episodes
+from jfto_msgs_py.core import Episodes
 from jfto_msgs_py.records.event import ERROR, INFO, WARN, Event
 from jfto_topology.algorithms.ctop import ctop
 from jfto_topology.horizon import HorizonTopology

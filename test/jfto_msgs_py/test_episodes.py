@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from jfto_msgs_py.clock_watch import ClockWatch
-from jfto_msgs_py.episodes import Episodes
+from jfto_msgs_py.core import ClockWatch, Episodes
 
 
 def test_a_trouble_is_told_once_and_its_end_once() -> None:

@@ -13,8 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jfto_msgs_py.errors import InputError, PlanError
-from jfto_msgs_py.plan_file import plan_text, read_plan, rounded, write_plan
-from jfto_msgs_py.plan_reader import plan_of_text
+from jfto_msgs_py.plan_file import plan_of_text, plan_text, read_plan, rounded, write_plan
 from jfto_msgs_py.records.certificate import Certificate, Violation
 from jfto_msgs_py.records.plan import Origin, Plan, Route, Slots, Uav, Waypoint
 from jfto_msgs_py.records.radio import Radio

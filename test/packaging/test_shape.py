@@ -11,14 +11,7 @@ MOST_PARAMETERS = 7
 MOST_LINES = 350
 # Compiled kernels take what they work on array by array.
 KERNELS = {
-    "jfto_planner/policy/kernel/decode.py:decide",
-    "jfto_planner/policy/kernel/decode.py:roll_out",
-    "jfto_planner/policy/kernel/describe.py:_relate_to_nearest",
     "jfto_planner/policy/kernel/describe.py:_rivals",
-    "jfto_planner/policy/kernel/describe.py:describe_state",
-    "jfto_planner/policy/kernel/observe.py:_links_at",
-    "jfto_planner/policy/kernel/observe.py:check_rule",
-    "jfto_planner/policy/kernel/observe.py:observe_one",
     "jfto_planner/routing/kernel/local.py:exchange",
     "jfto_planner/routing/kernel/local.py:relocate",
     "jfto_planner/routing/kernel/radio.py:scan_pair",

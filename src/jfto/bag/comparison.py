@@ -14,7 +14,7 @@ import numpy as np
 
 from jfto_msgs_py.records.network import SlotHorizon
 from jfto_msgs_py.ros import topics
-from jfto_msgs_py.ros.labels import parse_slot_label
+from jfto_msgs_py.ros.multi_array import parse_slot_label
 
 Pair = tuple[str, Any, Any]
 # Two runs change a setpoint at the same slot, but not in the same millisecond.

@@ -1,4 +1,4 @@
-"""Reports of the air as one multi-array each, `uav;ids=uav1,uav2;t=1763776800.250000000`."""
+"""What radios report at one moment, as a multi-array each, `uav;ids=uav1,uav2;t=1763776800.25`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from jfto_msgs_py.errors import MessageError
 from jfto_msgs_py.records.air import AirArray, AirReport
-from jfto_msgs_py.ros import labels, multi_array, topics
+from jfto_msgs_py.ros import multi_array, topics
 
 # Topic of each array of a report.
 ARRAY_OF_TOPIC = {
@@ -24,7 +24,7 @@ def encode_air(report: AirReport) -> dict[str, Any]:
     """A std_msgs/Float64MultiArray per topic: [uav], or [uav, uav] from row to column."""
     from std_msgs.msg import Float64MultiArray
 
-    label = labels.stamped_uav_label(report.uav_ids, report.stamp_ns)
+    label = multi_array.stamped_uav_label(report.uav_ids, report.stamp_ns)
     messages = {}
     for topic, name in ARRAY_OF_TOPIC.items():
         array = getattr(report, name)
@@ -38,7 +38,7 @@ def decode_air_array(message: Any, rank: int) -> AirArray:
     `rank` is 1 or 2. Raises MessageError naming the field at fault.
     """
     shape, names = multi_array.shape_and_labels(message, rank)
-    stamp_ns, uav_ids = labels.parse_stamped_uav_label(names[0], shape[0])
+    stamp_ns, uav_ids = multi_array.parse_stamped_uav_label(names[0], shape[0])
     if any(name != names[0] for name in names) or len(set(shape)) != 1:
         raise MessageError("layout.dim[1]", "is of other UAVs than layout.dim[0]")
     array = multi_array.values(message, shape, np.float64)
@@ -59,3 +59,17 @@ def decode_air(messages: dict[str, Any]) -> AirReport:
         raise MessageError("layout.dim.label", "is not the same on all topics of the air")
     stamp_ns, uav_ids = heads.pop()
     return AirReport(stamp_ns=stamp_ns, uav_ids=uav_ids, **arrays)
+
+
+def encode_energy_left(stamp_ns: int, left_j: dict[str, float]) -> Any:
+    """std_msgs/Float64MultiArray [uav] in J of the energy left to each UAV's radio."""
+    from std_msgs.msg import Float64MultiArray
+
+    label = multi_array.stamped_uav_label(tuple(left_j), stamp_ns)
+    return multi_array.fill(Float64MultiArray(), np.array(list(left_j.values())), (label,))
+
+
+def decode_energy_left(message: Any) -> dict[str, float]:
+    """Energy left to each UAV's radio, J. Raises MessageError naming the field at fault."""
+    _, uav_ids, left_j = decode_air_array(message, 1)
+    return dict(zip(uav_ids, left_j.tolist(), strict=True))

@@ -15,7 +15,7 @@ from rclpy.lifecycle import LifecycleNode, LifecyclePublisher, TransitionCallbac
 from jfto_msgs_py.errors import JftoError, ScenarioError
 from jfto_msgs_py.records.event import ERROR, WARN, Event
 from jfto_msgs_py.ros import qos, topics
-from jfto_msgs_py.ros.clock_reports import ClockReports
+from jfto_msgs_py.ros.clock import ClockReports
 from jfto_msgs_py.ros.diagnostics import Status, encode_diagnostics
 from jfto_msgs_py.ros.events import EventLimit, encode_event
 from jfto_msgs_py.ros.intake import Intake

@@ -8,24 +8,24 @@ import numpy as np
 
 from jfto_msgs_py.errors import MessageError
 from jfto_msgs_py.records.network import Adjacency, PowerIntervals, PowerSchedule
-from jfto_msgs_py.ros import labels, multi_array
+from jfto_msgs_py.ros import multi_array
 
 
 def encode_adjacency(adjacency: Adjacency) -> Any:
     """std_msgs/UInt8MultiArray [slot, uav, uav] with 1 for an active link."""
     from std_msgs.msg import UInt8MultiArray
 
-    uavs = labels.uav_label(adjacency.uav_ids)
-    names = (labels.slot_label(adjacency.horizon), uavs, uavs)
+    uavs = multi_array.uav_label(adjacency.uav_ids)
+    names = (multi_array.slot_label(adjacency.horizon), uavs, uavs)
     return multi_array.fill(UInt8MultiArray(), adjacency.links.astype(np.uint8), names)
 
 
 def decode_adjacency(message: Any) -> Adjacency:
     """Adjacency in a std_msgs/UInt8MultiArray. Raises MessageError naming the field at fault."""
     shape, names = multi_array.shape_and_labels(message, 3)
-    horizon = labels.parse_slot_label(names[0], shape[0])
-    uav_ids = labels.parse_uav_label(names[1], shape[1])
-    if labels.parse_uav_label(names[2], shape[2]) != uav_ids:
+    horizon = multi_array.parse_slot_label(names[0], shape[0])
+    uav_ids = multi_array.parse_uav_label(names[1], shape[1])
+    if multi_array.parse_uav_label(names[2], shape[2]) != uav_ids:
         raise MessageError("layout.dim[2].label", "names other UAVs than layout.dim[1].label")
     links = multi_array.values(message, shape, np.uint8)
     if (links > 1).any():
@@ -38,9 +38,9 @@ def encode_power_intervals(intervals: PowerIntervals) -> Any:
     from std_msgs.msg import Float64MultiArray
 
     names = (
-        labels.slot_label(intervals.horizon),
-        labels.uav_label(intervals.uav_ids),
-        labels.BOUND_LABEL,
+        multi_array.slot_label(intervals.horizon),
+        multi_array.uav_label(intervals.uav_ids),
+        multi_array.BOUND_LABEL,
     )
     return multi_array.fill(Float64MultiArray(), intervals.bounds_w, names)
 
@@ -48,12 +48,12 @@ def encode_power_intervals(intervals: PowerIntervals) -> Any:
 def decode_power_intervals(message: Any) -> PowerIntervals:
     """Power intervals in a std_msgs/Float64MultiArray. Raises MessageError naming the field."""
     shape, names = multi_array.shape_and_labels(message, 3)
-    if names[2] != labels.BOUND_LABEL:
+    if names[2] != multi_array.BOUND_LABEL:
         raise MessageError(
-            "layout.dim[2].label", f"is {names[2]!r}, expected {labels.BOUND_LABEL!r}"
+            "layout.dim[2].label", f"is {names[2]!r}, expected {multi_array.BOUND_LABEL!r}"
         )
-    horizon = labels.parse_slot_label(names[0], shape[0])
-    uav_ids = labels.parse_uav_label(names[1], shape[1])
+    horizon = multi_array.parse_slot_label(names[0], shape[0])
+    uav_ids = multi_array.parse_uav_label(names[1], shape[1])
     return PowerIntervals(horizon, uav_ids, multi_array.values(message, shape, np.float64))
 
 
@@ -61,13 +61,13 @@ def encode_power_schedule(schedule: PowerSchedule) -> Any:
     """std_msgs/Float64MultiArray [slot, uav] in W."""
     from std_msgs.msg import Float64MultiArray
 
-    names = (labels.slot_label(schedule.horizon), labels.uav_label(schedule.uav_ids))
+    names = (multi_array.slot_label(schedule.horizon), multi_array.uav_label(schedule.uav_ids))
     return multi_array.fill(Float64MultiArray(), schedule.power_w, names)
 
 
 def decode_power_schedule(message: Any) -> PowerSchedule:
     """Power schedule in a std_msgs/Float64MultiArray. Raises MessageError naming the field."""
     shape, names = multi_array.shape_and_labels(message, 2)
-    horizon = labels.parse_slot_label(names[0], shape[0])
-    uav_ids = labels.parse_uav_label(names[1], shape[1])
+    horizon = multi_array.parse_slot_label(names[0], shape[0])
+    uav_ids = multi_array.parse_uav_label(names[1], shape[1])
     return PowerSchedule(horizon, uav_ids, multi_array.values(message, shape, np.float64))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,6 @@ from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import MessageError
 from jfto_msgs_py.records.vehicle import TimedPath, TimedTrajectory, VehiclePose
-from jfto_msgs_py.ros.orientation import decode_heading, encode_heading
 from jfto_msgs_py.ros.stamps import decode_duration, decode_time, encode_duration, encode_time
 from jfto_msgs_py.ros.topics import MAP_FRAME
 
@@ -135,3 +135,21 @@ def _stack(vectors: list[Any]) -> NDArray[np.float64]:
 def _check_frame(frame_id: str) -> None:
     if frame_id != MAP_FRAME:
         raise MessageError("header.frame_id", f"is {frame_id!r}, expected {MAP_FRAME!r}")
+
+
+def encode_heading(yaw_deg: float) -> Any:
+    """geometry_msgs/Quaternion in ENU of a heading clockwise from north (REP 103)."""
+    from geometry_msgs.msg import Quaternion
+
+    half = math.radians(90.0 - yaw_deg) / 2
+    return Quaternion(x=0.0, y=0.0, z=math.sin(half), w=math.cos(half))
+
+
+def decode_heading(quaternion: Any, field: str = "pose.orientation") -> float:
+    """Heading in degrees clockwise from north, in [0, 360). Raises MessageError for a null one."""
+    x, y, z, w = quaternion.x, quaternion.y, quaternion.z, quaternion.w
+    norm = x * x + y * y + z * z + w * w
+    if not (math.isfinite(norm) and abs(norm - 1.0) < 1e-3):
+        raise MessageError(field, f"has norm² {norm}, expected 1")
+    yaw_enu = math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+    return (90.0 - math.degrees(yaw_enu)) % 360.0

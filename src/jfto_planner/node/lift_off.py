@@ -11,8 +11,7 @@ from pathlib import Path
 
 from jfto_msgs_py.errors import MessageError
 from jfto_msgs_py.files import FileKind, read_record, read_text, write_record
-from jfto_msgs_py.plan_file import plan_text
-from jfto_msgs_py.plan_reader import PLAN, plan_of_text
+from jfto_msgs_py.plan_file import PLAN, plan_of_text, plan_text
 from jfto_msgs_py.records.plan import Plan
 from jfto_planner.options import PlannerOptions
 

@@ -10,9 +10,9 @@ from std_msgs.msg import Float64, Float64MultiArray, UInt8MultiArray
 
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.ros import qos, topics
+from jfto_msgs_py.ros.air import encode_energy_left
 from jfto_msgs_py.ros.core_node import CoreNode, fleet_inputs
 from jfto_msgs_py.ros.diagnostics import Status
-from jfto_msgs_py.ros.energy import encode_energy_left
 from jfto_msgs_py.ros.intake import Input
 from jfto_msgs_py.ros.network import (
     decode_adjacency,

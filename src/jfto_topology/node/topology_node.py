@@ -10,10 +10,9 @@ from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 from visualization_msgs.msg import MarkerArray
 
 from jfto_msgs_py.ros import qos, topics
-from jfto_msgs_py.ros.air import decode_air_array
+from jfto_msgs_py.ros.air import decode_air_array, decode_energy_left
 from jfto_msgs_py.ros.core_node import CoreNode, fleet_inputs
 from jfto_msgs_py.ros.diagnostics import Status
-from jfto_msgs_py.ros.energy import decode_energy_left
 from jfto_msgs_py.ros.intake import Input
 from jfto_msgs_py.ros.network import encode_adjacency, encode_power_intervals
 from jfto_msgs_py.scenario import Scenario

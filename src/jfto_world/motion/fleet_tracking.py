@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from jfto_msgs_py.clock_watch import ClockWatch
+from jfto_msgs_py.core import ClockWatch
 from jfto_msgs_py.errors import MessageError
 from jfto_msgs_py.records.vehicle import TimedTrajectory, VehiclePose
 from jfto_world.motion.fleet_prediction import FleetPrediction

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from jfto_msgs_py.errors import MessageError
-from jfto_msgs_py.ros.energy import decode_energy_left, encode_energy_left
+from jfto_msgs_py.ros.air import decode_energy_left, encode_energy_left
 
 
 def test_energy_left_survives_its_message() -> None:

@@ -8,7 +8,7 @@ import pytest
 from rclpy.clock import ROSClock
 from rclpy.time import Time
 
-from jfto_msgs_py.ros.ticked_clock import AHEAD_MAX_S, TickedClock
+from jfto_msgs_py.ros.clock import AHEAD_MAX_S, TickedClock
 
 
 def _tick(clock: ROSClock, seconds: float) -> None:

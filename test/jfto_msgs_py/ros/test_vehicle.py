@@ -9,11 +9,12 @@ from hypothesis import strategies as st
 
 from jfto_msgs_py.errors import MessageError
 from jfto_msgs_py.records.vehicle import TimedPath, TimedTrajectory, VehiclePose
-from jfto_msgs_py.ros.orientation import decode_heading, encode_heading
 from jfto_msgs_py.ros.vehicle import (
+    decode_heading,
     decode_path,
     decode_pose,
     decode_trajectory,
+    encode_heading,
     encode_path,
     encode_pose,
     encode_trajectory,

@@ -1,14 +1,19 @@
-"""A clock that comes in ticks, such as /clock, read finely between them."""
+"""A node's time: read finely between ticks of /clock, and told to whoever waits for the node."""
 
 from __future__ import annotations
 
 import time
 from typing import Any
 
+from jfto_msgs_py.ros import qos, topics
+from jfto_msgs_py.ros.stamps import encode_time
+
 # A clock whose ticks stop, as that of a simulation does which waits for its graph, is not carried
 # on for longer than this, in wall seconds: ticks come every 0.02 s.
 AHEAD_MAX_S = 0.05
 NS = 1_000_000_000
+# Of simulated time between reports: one that stands still is not told so over and over.
+REPORT_PERIOD_S = 0.2
 
 
 class TickedClock:
@@ -53,3 +58,27 @@ class TickedClock:
 
     def _on_jump(self, _jump: Any) -> None:
         self._tick = (self._now_ns(), time.monotonic())
+
+
+class ClockReports:
+    """Reports of a node that takes its time from /clock; silent where it does not.
+
+    They come from the node's executor, where its callbacks run too: whoever has reported a time has
+    done with what reached it before, or is about to.
+    """
+
+    def __init__(self, node: Any) -> None:
+        from std_msgs.msg import Header
+
+        self._node, self._header = node, Header
+        if not node.get_parameter("use_sim_time").value:
+            return
+        self._reports = node.create_publisher(Header, topics.CLOCK_TAKEN, qos.reports())
+        node.create_timer(REPORT_PERIOD_S, self._report)
+
+    def _report(self) -> None:
+        now_ns = self._node.get_clock().now().nanoseconds
+        if now_ns:
+            self._reports.publish(
+                self._header(stamp=encode_time(now_ns), frame_id=self._node.get_name())
+            )
