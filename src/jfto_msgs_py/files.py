@@ -21,7 +21,7 @@ from typing import Annotated, Any, TypeVar, Union, get_args, get_origin, get_typ
 
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.records.fields import FILLED, NULL_IS_NAN, OneOf, Range
-from jfto_msgs_py.scenario.suggest import nearest
+from jfto_msgs_py.scenario.value import nearest
 
 Record = TypeVar("Record")
 

@@ -13,8 +13,7 @@ import yaml
 from jfto_msgs_py.errors import ScenarioError
 from jfto_msgs_py.files import read_text
 from jfto_msgs_py.scenario import KEYS, Given, Scenario, make_scenario
-from jfto_msgs_py.scenario.suggest import nearest
-from jfto_msgs_py.scenario.value import check_value
+from jfto_msgs_py.scenario.value import check_value, nearest
 
 SHARED = "/**"
 NODES = (

@@ -11,7 +11,7 @@ from jfto.planning.scenario_file import LoadedScenario
 from jfto.planning.terrain import load_ground
 from jfto_msgs_py.errors import WaypointError
 from jfto_msgs_py.records.plan import Waypoint
-from jfto_msgs_py.scenario.camera import CameraPart, CoveragePart
+from jfto_msgs_py.scenario.survey import CameraPart, CoveragePart
 from jfto_planner.coverage import (
     Camera,
     Coverage,

@@ -8,15 +8,13 @@ import json
 from dataclasses import dataclass, field
 from typing import Any
 
-from jfto_msgs_py.scenario.camera import CameraPart, CoveragePart
 from jfto_msgs_py.scenario.fleet import FleetPart, StartsPart
 from jfto_msgs_py.scenario.key import Key, keys_of
 from jfto_msgs_py.scenario.mission import EvaluationPart, MissionPart, NetworkPart, SearchPart
 from jfto_msgs_py.scenario.radio import RadioPart
 from jfto_msgs_py.scenario.simulation import SimulationPart
-from jfto_msgs_py.scenario.terrain import TerrainPart
+from jfto_msgs_py.scenario.survey import CameraPart, CoveragePart, TerrainPart, WaypointsPart
 from jfto_msgs_py.scenario.trajectory import TrajectoryPart
-from jfto_msgs_py.scenario.waypoints import WaypointsPart
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,7 @@ from jfto_msgs_py.errors import ScenarioError
 from jfto_msgs_py.scenario.key import Key
 from jfto_msgs_py.scenario.radio import RADIO_SHORTHANDS
 from jfto_msgs_py.scenario.scenario import KEYS, PARTS, Scenario
-from jfto_msgs_py.scenario.suggest import nearest
-from jfto_msgs_py.scenario.value import Given, check_value
+from jfto_msgs_py.scenario.value import Given, check_value, nearest
 
 Layer = Mapping[str, Given]
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from jfto_msgs_py.errors import ScenarioError
 from jfto_msgs_py.scenario import KEYS, PARTS, Given, Key, Scenario, make_scenario
 from jfto_msgs_py.scenario.document import page
-from jfto_msgs_py.scenario.suggest import in_range
+from jfto_msgs_py.scenario.value import in_range
 
 
 def _layer(**values: object) -> dict[str, Given]:

@@ -1,10 +1,70 @@
-"""The camera and how it must see the ground."""
+"""What is surveyed and how: the ground, the waypoints over it, the camera and what it must see."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from jfto_msgs_py.scenario.key import param
+
+SOURCES = ("coverage", "file", "uniform", "gaussian")
+
+
+@dataclass(frozen=True)
+class TerrainPart:
+    """Elevation model and the rectangle of it that is to be photographed."""
+
+    source: str = param(
+        "jacksboro",
+        "Elevation model: a GeoTIFF, SRTM .hgt or Esri ASCII file, relative to the scenario "
+        'file; "jacksboro", the built-in USGS tile; or "unknown", where a plan is flown of which '
+        "no more is known.",
+    )
+    center_deg: tuple[float, ...] = param(
+        (),
+        "Latitude and longitude of the middle of the area, WGS-84. Left out: middle of the tile.",
+        unit="deg",
+        low=-180.0,
+        high=180.0,
+        length=2,
+    )
+    size_m: tuple[float, ...] = param(
+        (2000.0, 2000.0),
+        "Extent of the area, east-west and north-south.",
+        unit="m",
+        low=20.0,
+        high=50_000.0,
+        length=2,
+    )
+    zero_is_void: bool = param(
+        True, "Take heights of exactly 0 for missing data, as many files do. Off at the sea."
+    )
+
+
+@dataclass(frozen=True)
+class WaypointsPart:
+    """Source of the waypoints: computed from the terrain, read from a file, or drawn."""
+
+    source: str = param(
+        "coverage",
+        "coverage: computed so that the camera sees the whole area; file: read; uniform, gaussian: "
+        "drawn at random, for studies.",
+        choices=SOURCES,
+    )
+    file: str = param(
+        "",
+        "For source file: a CSV, GeoJSON or QGroundControl .plan file, relative to the scenario "
+        "file.",
+    )
+    count: int = param(136, "How many are drawn (uniform, gaussian).", low=1, high=100_000)
+    height_m: float = param(
+        100.0, "Height above ground of drawn waypoints.", unit="m", low=1.0, high=5000.0
+    )
+    seed: int = param(
+        0,
+        "Seed of the draw; apart from search.seed, so that several searches face one set.",
+        low=0,
+        high=2**31 - 1,
+    )
 
 
 @dataclass(frozen=True)
