@@ -8,20 +8,17 @@ from __future__ import annotations
 
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 
-from jfto_planner.smoothing import (
-    CurveLimits,
-    RouteRequest,
-    Trajectory,
-    rest_to_rest_s,
-    smooth_route,
-    smooth_routes,
-    straight_line_s,
-)
+sys.path.insert(0, str(Path(__file__).parents[1] / "test"))
+
+from jfto_planner.smoothing import CurveLimits, RouteRequest, rest_to_rest_s, smooth_route
 from jfto_planner.smoothing.kernel.segment import least_duration
 from jfto_world.compiled import kernel
+from support.curves import ratios_at_samples, straight_line_s, worst_jump
 
 LIMITS = CurveLimits(speed_mps=10.0, climb_mps=5.0, descent_mps=3.0)
 
@@ -51,30 +48,6 @@ def random_route(rng: np.random.Generator, count: int, spread_m: float) -> np.nd
     return np.column_stack([walk, rng.uniform(40, 40 + 0.2 * spread_m, count)])
 
 
-def worst_ratio(trajectory: Trajectory) -> float:
-    _, m = trajectory.sampled(1000)
-    push = m.acceleration_mps2 + np.array([0.0, 0.0, 9.80665])
-    tilt = np.degrees(np.arctan2(np.hypot(push[:, 0], push[:, 1]), push[:, 2]))
-    return max(
-        np.hypot(*m.velocity_mps[:, :2].T).max() / LIMITS.speed_mps,
-        m.velocity_mps[:, 2].max() / LIMITS.climb_mps,
-        -m.velocity_mps[:, 2].min() / LIMITS.descent_mps,
-        np.hypot(*m.acceleration_mps2[:, :2].T).max() / LIMITS.accel_mps2,
-        np.abs(m.acceleration_mps2[:, 2]).max() / LIMITS.accel_z_mps2,
-        np.linalg.norm(m.jerk_mps3, axis=1).max() / LIMITS.jerk_mps3,
-        tilt.max() / LIMITS.tilt_deg,
-    )
-
-
-def jump(trajectory: Trajectory, extent_m: float) -> float:
-    """Largest relative jump of position, velocity or acceleration at a joint."""
-    _, m = trajectory.sampled(1)
-    scales = (extent_m, LIMITS.speed_mps, LIMITS.accel_mps2)
-    parts = (m.position_m, m.velocity_mps, m.acceleration_mps2)
-    ends = [part.reshape(-1, 2, 3) / scale for part, scale in zip(parts, scales, strict=True)]
-    return max(float(np.abs(e[1:, 0] - e[:-1, 1]).max()) for e in ends)
-
-
 def random_routes(count: int) -> None:
     print(f"\n{count} random routes of 12 points; limits {LIMITS}")
     print("mean step   time / straight lines   time / stop-and-go   worst limit ratio   worst jump")
@@ -91,8 +64,8 @@ def random_routes(count: int) -> None:
                 (
                     through.end_s / bound,
                     through.end_s / stopped.end_s,
-                    worst_ratio(through),
-                    jump(through, float(np.abs(route).max())),
+                    max(ratios_at_samples(through, LIMITS).values()),
+                    worst_jump(through, LIMITS, float(np.abs(route).max())),
                 )
             )
         t = np.array(rows)
@@ -116,7 +89,8 @@ def fleet() -> None:
             route.append(places[near])
         requests.append(RouteRequest(np.array(route), LIMITS))
     cpu, begin = time.process_time(), time.perf_counter()
-    flown = smooth_routes(tuple(requests), workers=2)
+    with ThreadPoolExecutor(2) as pool:
+        flown = list(pool.map(smooth_route, requests))
     wall, spent = time.perf_counter() - begin, time.process_time() - cpu
     bound = [straight_line_s(r.points_m, LIMITS) for r in requests]
     ratio = sum(t.end_s for t in flown) / sum(bound)

@@ -89,12 +89,3 @@ def rest_to_rest_s(length_m: float, speed_mps: float, accel_mps2: float, jerk_mp
         math.sqrt(10.0 / math.sqrt(3.0) * length_m / accel_mps2),
         (60.0 * length_m / jerk_mps3) ** (1.0 / 3.0),
     )
-
-
-def straight_line_s(points_m: Array, limits: CurveLimits) -> float:
-    """Lower bound of any trajectory through the points: straight legs at full speed."""
-    step = np.diff(np.asarray(points_m, dtype=np.float64), axis=0)
-    rise = step[:, 2]
-    vertical = np.where(rise > 0, rise / limits.climb_mps, -rise / limits.descent_mps)
-    level = np.hypot(step[:, 0], step[:, 1]) / limits.speed_mps
-    return float(np.sum(np.maximum(level, vertical)))

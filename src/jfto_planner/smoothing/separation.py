@@ -13,16 +13,16 @@ from jfto_planner.smoothing.trajectory import Trajectory
 
 NeighbourCheck = Callable[[Array], bool]
 
+# Steps in which delays and factors are tried, and at which distances are looked at first.
+_DELAY_STEP_S, _SLOW_STEP, _CHECK_S = 0.5, 0.05, 0.1
+
 
 @dataclass(frozen=True)
 class SeparationSettings:
-    """What may be changed to keep vehicles apart: delays in steps, and slower flight."""
+    """How much may be changed to keep vehicles apart: start delays, and slower flight."""
 
     delay_max_s: float = 30.0
-    delay_step_s: float = 0.5
     slow_max: float = 1.2
-    slow_step: float = 0.05
-    check_s: float = 0.1
 
     def __post_init__(self) -> None:
         if self.delay_max_s < 0 or self.slow_max < 1:
@@ -30,34 +30,6 @@ class SeparationSettings:
                 f"delay_max_s is {self.delay_max_s}, must not be negative, and slow_max is "
                 f"{self.slow_max}, must be at least 1."
             )
-        for name in ("delay_step_s", "slow_step", "check_s"):
-            if not getattr(self, name) > 0:
-                raise InputError(f"{name} is {getattr(self, name)}, must be positive.")
-
-
-@dataclass(frozen=True)
-class Approach:
-    """The closest approach of two vehicles."""
-
-    first: int
-    second: int
-    time_s: float
-    distance_m: float
-
-
-def closest_approach(trajectories: tuple[Trajectory, ...], check_s: float = 0.1) -> Approach | None:
-    """Closest approach of any two trajectories in continuous time; None for fewer than two.
-
-    Exact to about a millimetre: intervals that could hide a closer approach, judged by the speeds
-    of the two, are sampled again 64 times finer, twice.
-    """
-    best: Approach | None = None
-    for a in range(len(trajectories)):
-        for b in range(a + 1, len(trajectories)):
-            time, distance = _closest(trajectories[a], trajectories[b], check_s)
-            if best is None or distance < best.distance_m:
-                best = Approach(a, b, time, distance)
-    return best
 
 
 def separate(
@@ -76,20 +48,21 @@ def separate(
     settings = settings or SeparationSettings()
     flown = list(trajectories)
     for vehicle in range(1, len(flown)):
-        conflict = _conflict(flown, vehicle, flown[vehicle], d_min_m, settings)
+        conflict = _conflict(flown[:vehicle], flown[vehicle], d_min_m)
         if conflict is None:
             continue
         for option in _options(flown[vehicle], settings):
-            if _conflict(flown, vehicle, option, d_min_m, settings) is not None:
+            if _conflict(flown[:vehicle], option, d_min_m) is not None:
                 continue
             trial = [*flown[:vehicle], option, *flown[vehicle + 1 :]]
             if neighbours_kept is None or neighbours_kept(_together(trial)):
                 flown[vehicle] = option
                 break
         else:
+            other, time_s, distance_m = conflict
             raise InfeasibleError(
-                f"UAVs {conflict.first} and {conflict.second} come within "
-                f"{conflict.distance_m:.1f} m at {conflict.time_s:.1f} s, d_min is {d_min_m} m; no "
+                f"UAVs {other} and {vehicle} come within "
+                f"{distance_m:.1f} m at {time_s:.1f} s, d_min is {d_min_m} m; no "
                 f"start delay up to {settings.delay_max_s} s or slower flight keeps them apart.",
                 cures=("allow longer delays", "plan other routes", "lower d_min_m"),
             )
@@ -97,8 +70,8 @@ def separate(
 
 
 def _options(trajectory: Trajectory, settings: SeparationSettings) -> list[Trajectory]:
-    delays = np.arange(0, settings.delay_max_s + 1e-9, settings.delay_step_s)
-    factors = np.arange(1.0, settings.slow_max + 1e-9, settings.slow_step)
+    delays = np.arange(0, settings.delay_max_s + 1e-9, _DELAY_STEP_S)
+    factors = np.arange(1.0, settings.slow_max + 1e-9, _SLOW_STEP)
     pairs = [(float(d), float(f)) for d in delays for f in factors if d > 0 or f > 1]
     span = trajectory.end_s - trajectory.delay_s
     pairs.sort(key=lambda pair: (pair[0] + span * pair[1], pair[0]))
@@ -106,24 +79,24 @@ def _options(trajectory: Trajectory, settings: SeparationSettings) -> list[Traje
 
 
 def _conflict(
-    flown: list[Trajectory],
-    vehicle: int,
-    option: Trajectory,
-    d_min_m: float,
-    settings: SeparationSettings,
-) -> Approach | None:
-    """First earlier vehicle that `option` would come too close to."""
-    for other in range(vehicle):
-        time, distance = _closest(flown[other], option, settings.check_s, d_min_m)
-        if distance < d_min_m:
-            return Approach(other, vehicle, time, distance)
+    earlier: list[Trajectory], option: Trajectory, d_min_m: float
+) -> tuple[int, float, float] | None:
+    """The first earlier vehicle that `option` would come too close to; when, and how close."""
+    for other, flown in enumerate(earlier):
+        time_s, distance_m = closest(flown, option, _CHECK_S, d_min_m)
+        if distance_m < d_min_m:
+            return other, time_s, distance_m
     return None
 
 
-def _closest(
-    one: Trajectory, two: Trajectory, check_s: float, enough_m: float = np.inf
+def closest(
+    one: Trajectory, two: Trajectory, check_s: float = _CHECK_S, enough_m: float = np.inf
 ) -> tuple[float, float]:
-    """Time and distance of the closest approach; no finer than to tell it from `enough_m`."""
+    """Time and distance of the closest approach; no finer than to tell it from `enough_m`.
+
+    Otherwise exact to about a millimetre: intervals that could hide a closer approach, judged by
+    the speeds of the two, are sampled again 64 times finer, twice.
+    """
     end = max(one.end_s, two.end_s)
     step = check_s
     times = np.append(np.arange(0.0, end, step), end)

@@ -8,7 +8,6 @@ legs are too short for cruise, a spline with one segment per leg takes over if i
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -56,14 +55,6 @@ class RouteRequest:
     stop: Flags | None = None
     hold_s: Array | None = None
     cap_mps: Array | None = None
-
-
-def smooth_routes(
-    requests: tuple[RouteRequest, ...], settings: SmoothingSettings | None = None, workers: int = 2
-) -> tuple[Trajectory, ...]:
-    """`smooth_route` for a fleet, on `workers` threads; the result does not depend on them."""
-    with ThreadPoolExecutor(max_workers=max(1, workers)) as pool:
-        return tuple(pool.map(lambda request: smooth_route(request, settings), requests))
 
 
 def smooth_route(request: RouteRequest, settings: SmoothingSettings | None = None) -> Trajectory:

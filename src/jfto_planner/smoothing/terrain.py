@@ -73,14 +73,6 @@ def smooth_above(
     )
 
 
-def least_clearance_m(
-    trajectory: Trajectory, ground_height: GroundHeight, spacing_m: float = 1.0
-) -> float:
-    """Smallest height above ground along a trajectory, from its start to its end."""
-    places = trajectory.positions(_times(trajectory, spacing_m))
-    return float(np.min(places[:, 2] - ground_height(places[:, 0], places[:, 1])))
-
-
 def _times(trajectory: Trajectory, spacing_m: float) -> Array:
     """Instants such that the vehicle moves at most `spacing_m` between them."""
     # the control polygon is at least as long as the curve and bounds its speed

@@ -72,21 +72,6 @@ class Trajectory:
         which = np.clip(which, 0, len(self.duration_s) - 1)
         return times, which, np.clip((times - knots[which]) / self.duration_s[which], 0.0, 1.0)
 
-    def sampled(self, per_segment: int) -> tuple[Array, Motion]:
-        """`per_segment` + 1 even instants of each segment, ends included, and the motion there.
-
-        Both ends of a segment are evaluated on that segment: times (S · (per_segment + 1),).
-        """
-        share = np.linspace(0.0, 1.0, per_segment + 1)
-        parts, points = [], self.control_m
-        for order in range(4):
-            wide = np.broadcast_to(points[:, None], (len(points), len(share), *points.shape[1:]))
-            flat = wide.reshape(-1, points.shape[1], 3)
-            parts.append(_bernstein(flat, np.tile(share, len(points))))
-            points = (5 - order) * np.diff(points, axis=1) / self.duration_s[:, None, None]
-        times = self.knots_s[:-1, None] + share * self.duration_s[:, None]
-        return times.ravel(), Motion(*parts)
-
     def delayed(self, delay_s: float) -> Trajectory:
         """The same flight, begun `delay_s` later."""
         if delay_s < 0:

@@ -8,10 +8,10 @@ from jfto_planner.smoothing import (
     CurveLimits,
     RouteRequest,
     SeparationSettings,
-    closest_approach,
     separate,
     smooth_route,
 )
+from support.curves import closest_approach_m
 
 LIMITS = CurveLimits(8.0, 3.0, 2.0)
 
@@ -29,17 +29,17 @@ CROSSING = (
 
 def test_closest_approach_is_found_between_samples():
     """The closest approach agrees with dense sampling to a millimetre, though sampled coarsely."""
-    found = closest_approach(CROSSING[:2], check_s=0.5)
+    found_m = closest_approach_m(CROSSING[:2], check_s=0.5)
     times = np.linspace(0, 40, 400_001)
     gap = np.linalg.norm(CROSSING[0].positions(times) - CROSSING[1].positions(times), axis=1)
-    assert found.distance_m == pytest.approx(gap.min(), abs=2e-3)
-    assert closest_approach(CROSSING[:1]) is None
+    assert found_m == pytest.approx(gap.min(), abs=2e-3)
+    assert closest_approach_m(CROSSING[:1]) == np.inf
 
 
 def test_conflicts_are_resolved_by_small_delays():
     """All pairs end at least d_min apart; the first vehicle is unchanged, paths are kept."""
     apart = separate(CROSSING, 10.0)
-    assert closest_approach(apart).distance_m >= 10.0 - 1e-6
+    assert closest_approach_m(apart) >= 10.0 - 1e-6
     assert apart[0] is CROSSING[0]
     for before, after in zip(CROSSING, apart, strict=True):
         assert after.control_m.tobytes() == before.control_m.tobytes()
@@ -63,7 +63,7 @@ def test_the_neighbour_rule_has_the_last_word():
     apart = separate(CROSSING[:2], 10.0, neighbours_kept=refuse_late)
     assert len(seen) == 4
     assert seen[0][1:] == (2, 3)
-    assert closest_approach(apart).distance_m >= 10.0 - 1e-6
+    assert closest_approach_m(apart) >= 10.0 - 1e-6
     with pytest.raises(InfeasibleError, match="UAVs 0 and 1"):
         separate(CROSSING[:2], 10.0, neighbours_kept=lambda positions_m: False)
 

@@ -10,14 +10,18 @@ from jfto_planner.smoothing import (
     CurveLimits,
     RouteRequest,
     SmoothingSettings,
-    limit_ratios,
     rest_to_rest_s,
     smooth_route,
-    smooth_routes,
-    straight_line_s,
 )
 from jfto_planner.smoothing.kernel.segment import least_duration
 from jfto_world.compiled import kernel
+from support.curves import (
+    limit_ratios,
+    ratios_at_samples,
+    sampled,
+    straight_line_s,
+    worst_jump,
+)
 
 
 @kernel
@@ -32,21 +36,6 @@ def random_route(seed, count=8, spread=150.0):
     rng = np.random.default_rng(seed)
     walk = np.cumsum(rng.uniform(-1, 1, (count, 2)), axis=0) * spread
     return np.column_stack([walk, rng.uniform(40, 40 + 0.2 * spread, count)])
-
-
-def ratios_at_samples(trajectory, limits, per_segment=1000):
-    _, m = trajectory.sampled(per_segment)
-    push = m.acceleration_mps2 + limits.drag_1ps * m.velocity_mps + np.array([0, 0, 9.80665])
-    tilt = np.degrees(np.arctan2(np.hypot(push[:, 0], push[:, 1]), push[:, 2]))
-    return {
-        "speed": np.hypot(*m.velocity_mps[:, :2].T).max() / limits.speed_mps,
-        "climb": m.velocity_mps[:, 2].max() / limits.climb_mps,
-        "descent": -m.velocity_mps[:, 2].min() / limits.descent_mps,
-        "acceleration": np.hypot(*m.acceleration_mps2[:, :2].T).max() / limits.accel_mps2,
-        "acceleration_z": np.abs(m.acceleration_mps2[:, 2]).max() / limits.accel_z_mps2,
-        "jerk": np.linalg.norm(m.jerk_mps3, axis=1).max() / limits.jerk_mps3,
-        "tilt": tilt.max() / limits.tilt_deg,
-    }
 
 
 @settings(deadline=None, max_examples=25, derandomize=True)
@@ -79,13 +68,8 @@ def test_joints_are_continuous_and_waypoints_are_met(seed, spread):
     """Position, velocity, acceleration agree at joints to 1e-9; each waypoint is passed on time."""
     route = random_route(seed, 7, spread)
     trajectory = smooth_route(RouteRequest(route, LIMITS))
-    _, m = trajectory.sampled(1)
-    scales = (np.abs(route).max(), LIMITS.speed_mps, LIMITS.accel_mps2)
-    for part, scale in zip(
-        (m.position_m, m.velocity_mps, m.acceleration_mps2), scales, strict=True
-    ):
-        ends = part.reshape(-1, 2, 3)
-        assert np.abs(ends[1:, 0] - ends[:-1, 1]).max() <= 1e-9 * scale
+    assert worst_jump(trajectory, LIMITS, float(np.abs(route).max())) <= 1e-9
+    m = sampled(trajectory, 1)
     for part in (m.velocity_mps, m.acceleration_mps2):
         assert np.abs(part[[0, -1]]).max() <= 1e-9
     np.testing.assert_allclose(trajectory.positions(trajectory.waypoint_s), route, atol=1e-6)
@@ -126,20 +110,12 @@ def test_the_curve_stays_near_the_legs():
     """With a corridor of 3 m the curve is never further than 3 m from the straight legs."""
     route = random_route(3, 9, 120.0)
     tight = smooth_route(RouteRequest(route, LIMITS), SmoothingSettings(corridor_m=3.0))
-    _, motion = tight.sampled(100)
+    motion = sampled(tight, 100)
     start, step = route[:-1], np.diff(route, axis=0)
     offset = motion.position_m[:, None] - start
     share = np.clip(np.sum(offset * step, -1) / np.sum(step * step, -1), 0, 1)
     away = np.linalg.norm(offset - share[..., None] * step, axis=-1).min(axis=1)
     assert away.max() <= 3.0 + 1e-6
-
-
-def test_same_result_on_any_number_of_threads():
-    """Two threads and one give the same bytes."""
-    requests = tuple(RouteRequest(random_route(seed, 6), LIMITS) for seed in range(4))
-    for one, two in zip(smooth_routes(requests, workers=1), smooth_routes(requests), strict=True):
-        assert one.control_m.tobytes() == two.control_m.tobytes()
-        assert one.duration_s.tobytes() == two.duration_s.tobytes()
 
 
 def test_repeated_and_single_points():

@@ -10,10 +10,10 @@ from jfto_planner.smoothing import (
     CurveLimits,
     RouteRequest,
     Trajectory,
-    limit_ratios,
     photo_speed_mps,
     smooth_route,
 )
+from support.curves import limit_ratios, sampled
 
 LIMITS = CurveLimits(8.0, 3.0, 2.0)
 ROUTE = np.array([[0.0, 0, 40], [90, 20, 50], [60, 130, 60], [200, 160, 45]])
@@ -70,7 +70,7 @@ def test_record_survives_json(flown):
 
 def test_hull_bounds_the_samples(flown):
     """The hull's bound is never below what samples show, and closes in with halvings."""
-    _, m = flown.sampled(500)
+    m = sampled(flown, 500)
     jerk = np.linalg.norm(m.jerk_mps3, axis=1).max() / LIMITS.jerk_mps3
     coarse, fine = (limit_ratios(flown, LIMITS, halvings=n)["jerk"] for n in (0, 6))
     assert jerk <= fine * (1 + 1e-6)
