@@ -34,7 +34,7 @@ class FileKind:
     """A kind of file: what it is called, what to do about a broken one, and how it begins.
 
     `denial` says that a file is none. A file's first keys are `format` and `version` where they are
-    given. All errors are `error`.
+    given; where older ones are read too, `versions_read` lists all. All errors are `error`.
     """
 
     what: str
@@ -42,6 +42,7 @@ class FileKind:
     denial: str = ""
     format: str = ""
     version: int = 1
+    versions_read: tuple[int, ...] = ()
     size_limit: int = 1_000_000
     error: type[InputError] = InputError
 
@@ -166,8 +167,10 @@ def record_of_text(text: str, name: str, record: type[Record], kind: FileKind) -
             denial = kind.denial or f"is no {kind.what}"
             raise kind.fault(f'{name}: {denial}: its key format is not "{kind.format}".')
         version = document.get("version")
-        if version != kind.version or isinstance(version, bool):
-            raise kind.fault(f"{name}: version is {version!r}, this program reads {kind.version}.")
+        readable = kind.versions_read or (kind.version,)
+        if version not in readable or isinstance(version, bool):
+            known = " and ".join(map(str, readable))
+            raise kind.fault(f"{name}: version is {version!r}, this program reads {known}.")
     found: Record = _record(place, record, head)
     return found
 

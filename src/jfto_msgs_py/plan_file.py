@@ -20,6 +20,7 @@ from jfto_msgs_py.records.fields import FILLED, MAY_LACK, Range
 from jfto_msgs_py.records.plan import (
     PLAN_FORMAT,
     PLAN_VERSION,
+    PLAN_VERSIONS_READ,
     Origin,
     Plan,
     Route,
@@ -29,6 +30,7 @@ from jfto_msgs_py.records.plan import (
     Waypoint,
 )
 from jfto_msgs_py.records.radio import Radio
+from jfto_msgs_py.records.way_home import WayHome
 
 PLAN = FileKind(
     "plan",
@@ -36,6 +38,7 @@ PLAN = FileKind(
     denial="is not a plan",
     format=PLAN_FORMAT,
     version=PLAN_VERSION,
+    versions_read=PLAN_VERSIONS_READ,
     size_limit=500_000_000,
     error=PlanError,
 )
@@ -77,6 +80,7 @@ def plan_text(plan: Plan) -> str:
             "alt_m": _plain(origin.alt_m),
         },
         "radio": _plain(dataclasses.asdict(plan.radio)),
+        "wind_mps": _plain(plan.wind_mps),
         "k_min": plan.k_min,
         "delta": plan.delta,
         "d_min_m": _plain(plan.d_min_m),
@@ -89,7 +93,10 @@ def plan_text(plan: Plan) -> str:
         },
         "waypoints": [_plain(dataclasses.asdict(waypoint)) for waypoint in plan.waypoints],
         "uavs": [
-            _uav_object(uav, route) for uav, route in zip(plan.uavs, plan.routes, strict=True)
+            _uav_object(uav, route, home)
+            for uav, route, home in zip(
+                plan.uavs, plan.routes, plan.homes or (None,) * len(plan.uavs), strict=True
+            )
         ],
         "positions_m": _plain(plan.positions_m.tolist()),
         "trajectories": [_plain(trajectory) for trajectory in plan.trajectories],
@@ -137,14 +144,15 @@ def _compact(value: Any) -> str:
     return json.dumps(value, ensure_ascii=False, allow_nan=False)
 
 
-def _uav_object(uav: Uav, route: Route) -> dict[str, Any]:
+def _uav_object(uav: Uav, route: Route, home: WayHome | None) -> dict[str, Any]:
     return {
         "id": uav.id,
-        **{name: _plain(getattr(uav, name)) for name in UAV_LIMITS},
+        **{name: _plain(getattr(uav, name)) for name in (*UAV_LIMITS, "endurance_s")},
         "start_m": _plain(uav.start_m),
         "route": list(route.waypoint_ids),
         "arrival_s": _plain(route.arrival_s),
         "length_m": _plain(route.length_m),
+        "home": None if home is None else _plain(dataclasses.asdict(home)),
     }
 
 
@@ -181,17 +189,22 @@ class _Uav:
     route: tuple[Count, ...]
     arrival_s: tuple[NotNegative, ...]
     length_m: NotNegative
+    endurance_s: NotNegative = field(default=0.0, metadata=MAY_LACK)
+    home: WayHome | None = field(default=None, metadata=MAY_LACK)
 
 
 @dataclass(frozen=True)
 class _Document:
-    """The members of a plan file. Plans at constant speed, the first, had no time_parameters."""
+    """The members of a plan file.
+
+    Plans at constant speed, the first, had no time_parameters; those of version 1 no wind_mps.
+    """
 
     scenario_hash: Text
     seed: Count
     origin: _Origin
     radio: Radio
-    k_min: Annotated[int, Range(1)]
+    k_min: Count
     delta: Count
     d_min_m: NotNegative
     length_max_m: NotNegative
@@ -203,6 +216,7 @@ class _Document:
     trajectories: tuple[Mapping[str, Any], ...]
     certificate: Certificate | None
     time_parameters: Mapping[str, float] = field(default_factory=dict, metadata=MAY_LACK)
+    wind_mps: NotNegative = field(default=0.0, metadata=MAY_LACK)
 
 
 def plan_of_text(text: str, path: Path) -> Plan:
@@ -223,7 +237,12 @@ def plan_of_text(text: str, path: Path) -> Plan:
         slots=document.slots,
         waypoints=document.waypoints,
         uavs=tuple(
-            Uav(uav.id, start_m=uav.start_m, **{name: getattr(uav, name) for name in UAV_LIMITS})
+            Uav(
+                uav.id,
+                start_m=uav.start_m,
+                endurance_s=uav.endurance_s,
+                **{name: getattr(uav, name) for name in UAV_LIMITS},
+            )
             for uav in document.uavs
         ),
         routes=tuple(Route(uav.route, uav.arrival_s, uav.length_m) for uav in document.uavs),
@@ -232,6 +251,8 @@ def plan_of_text(text: str, path: Path) -> Plan:
         time_model=document.time_model,
         time_parameters=document.time_parameters,
         trajectories=tuple(map(dict, document.trajectories)),
+        homes=tuple(uav.home for uav in document.uavs if uav.home is not None),
+        wind_mps=document.wind_mps,
     )
 
 
@@ -249,6 +270,10 @@ def _faults(document: _Document) -> Iterator[str]:
     yield from _doubled("uavs", [uav.id for uav in uavs])
     for index, uav in enumerate(uavs):
         yield from _route_faults(f"uavs[{index}]", uav, known)
+        if (uav.home is None) != (uavs[0].home is None):
+            yield f"uavs[{index}].home: either all UAVs have a way home or none. {PLAN.cure}"
+        if uav.home is not None:
+            yield from _home_faults(f"uavs[{index}].home", uav.home)
     yield from _wrong_count("positions_m", document.positions_m, len(uavs))
     for index, positions in enumerate(document.positions_m):
         yield from _wrong_count(f"positions_m[{index}]", positions, document.slots.count + 1)
@@ -272,6 +297,15 @@ def _route_faults(where: str, uav: _Uav, known: set[int]) -> Iterator[str]:
         )
     if any(later < earlier for earlier, later in itertools.pairwise(times)):
         yield f"{where}.arrival_s runs backwards. Times must not decrease."
+
+
+def _home_faults(where: str, home: WayHome) -> Iterator[str]:
+    if not home.points_m:
+        yield f"{where}.points_m is empty. {PLAN.cure}"
+    yield from _wrong_count(f"{where}.reached_s", home.reached_s, len(home.points_m))
+    times = (*home.reached_s, home.landed_s)
+    if any(later < earlier for earlier, later in itertools.pairwise(times)):
+        yield f"{where}: its times run backwards. They must not decrease."
 
 
 def _doubled(where: str, ids: Sequence[int | str]) -> Iterator[str]:

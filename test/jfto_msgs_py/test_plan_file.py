@@ -61,7 +61,7 @@ def test_the_file_has_the_agreed_keys() -> None:
     """Other programs find every agreed key, and plain JSON numbers only."""
     found = json.loads(plan_text(_plan()))
     assert found["format"] == "jfto-plan"
-    assert found["version"] == 1
+    assert found["version"] == 2
     assert set(found["origin"]) == {"lat", "lon", "alt_m"}
     assert set(found["slots"]) == {"count", "duration_s"}
     assert set(found["waypoints"][0]) == {"id", "position_m", "yaw_deg", "pitch_deg"}

@@ -137,10 +137,14 @@ def ends_s(plan: Plan) -> Array:
 
 
 def tightened(problem: RoutingProblem, plan: Plan) -> RoutingProblem:
-    """The problem with limits drawn in where the certified `plan` broke them."""
+    """The problem with limits drawn in where the certified `plan` broke them.
+
+    Of the ways home only their duration can be drawn in.
+    """
     assert plan.certificate is not None
     broken = {violation.kind for violation in plan.certificate.violations}
     late_s = np.maximum(ends_s(plan) - np.array([uav.t_max_s for uav in plan.uavs]), 0.0)
+    late_s = np.maximum(late_s, _too_long_s(plan, problem))
     changes: dict[str, object] = {}
     if late_s.any():
         changes["t_max_s"] = problem.t_max_s - np.where(late_s > 0, late_s + SPARE_S, 0.0)
@@ -154,6 +158,24 @@ def tightened(problem: RoutingProblem, plan: Plan) -> RoutingProblem:
     if "energy" in broken and problem.energy_j is not None:
         changes["energy_j"] = problem.energy_j * LESS_ENERGY
     return replace(problem, **changes)  # type: ignore[arg-type]
+
+
+def _too_long_s(plan: Plan, problem: RoutingProblem) -> Array:
+    """By how much sooner each UAV (A,) must be done so that all are home within their endurance.
+
+    Nobody leaves before all are done, so that one short battery draws everybody in.
+    """
+    over_s = [
+        home.landed_s - uav.endurance_s
+        for uav, home in zip(plan.uavs, plan.homes, strict=bool(plan.homes))
+        if uav.endurance_s
+    ]
+    worst_s = max(over_s, default=0.0)
+    done_s = float(ends_s(plan).max()) - worst_s
+    # A horizon that is given does not move, and nobody is done before lift-off.
+    if worst_s <= 0 or problem.horizon_s is not None or done_s <= 2 * SPARE_S:
+        return np.zeros(len(plan.uavs))
+    return np.asarray(np.maximum(problem.t_max_s - done_s, 0.0))
 
 
 def least_distance_m(places_m: Array) -> float:

@@ -13,6 +13,7 @@ from jfto_msgs_py.records.plan import Uav, Vector
 from jfto_msgs_py.scenario import Scenario
 from jfto_msgs_py.types import Array, Flags
 from jfto_msgs_py.units import dbm_to_w
+from jfto_planner.home import HomeRules
 from jfto_planner.low_legs import low_legs
 from jfto_planner.routing import RoutingProblem
 from jfto_planner.routing.certificate import GroundRule
@@ -72,6 +73,17 @@ def ground_rule(scenario: Scenario, found: Survey) -> GroundRule | None:
     return GroundRule(found.dem.height, clearance_m, START_SHARE * min(start_m, clearance_m))
 
 
+def home_rules(scenario: Scenario, found: Survey) -> HomeRules:
+    """What ways home keep to: trajectory.clearance_m, in every mode."""
+    return HomeRules(found.dem.height, scenario.trajectory.clearance_m)
+
+
+def home_ground(scenario: Scenario, found: Survey) -> GroundRule:
+    """The same for the certificate."""
+    clearance_m = scenario.trajectory.clearance_m
+    return GroundRule(found.dem.height, clearance_m, clearance_m)
+
+
 def _closed_legs(scenario: Scenario, found: Survey, waypoints: Array, pads: Array) -> Flags | None:
     """Legs of missions that pass too near the ground; curves get via points instead."""
     rule = ground_rule(scenario, found)
@@ -114,6 +126,7 @@ def plan_uavs(scenario: Scenario, pads_m: Array) -> tuple[Uav, ...]:
             climb_mps=rounded_record(limits.climb_mps),
             descent_mps=rounded_record(limits.descent_mps),
             start_m=_vector(pads_m[uav]),
+            endurance_s=fleet.endurance_s[uav],
         )
         for uav, limits in enumerate(fleet_limits(scenario))
     )

@@ -11,14 +11,21 @@ import numpy as np
 from jfto.console.progress import SILENT, Progress
 from jfto.planning.flight import Flight, ends_s, expected_s, flight_of, tightened
 from jfto.planning.network import energy_floor_of
-from jfto.planning.problem import ground_rule, plan_uavs, routing_problem
-from jfto.planning.speeds import speed_notes
+from jfto.planning.problem import (
+    ground_rule,
+    home_ground,
+    home_rules,
+    plan_uavs,
+    routing_problem,
+)
+from jfto.planning.speeds import planned_wind_mps, speed_notes
 from jfto.planning.survey import Survey
 from jfto_msgs_py.errors import InputError, PlanError
 from jfto_msgs_py.plan_file import read_plan, rounded, rounded_waypoint
 from jfto_msgs_py.records.certificate import Certificate
 from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.scenario import Scenario
+from jfto_planner.home import with_ways_home
 from jfto_planner.methods import SEARCH, solve
 from jfto_planner.routing import (
     Estimated,
@@ -106,7 +113,8 @@ def plan_routes(
         result, learned = solved.best, learned or solved.in_words()
         progress.begin("routes", "checking with independent code")
         plan = _as_flown(scenario, found, problem, flight, result.routes)
-        plan = replace(plan, certificate=certify_plan(plan, ground))
+        plan = rounded(with_ways_home(plan, home_rules(scenario, found)))
+        plan = replace(plan, certificate=certify_plan(plan, ground, home_ground(scenario, found)))
         stopped |= result.stopped_by == "user"
         estimate_s = float(expected_s(problem, result.routes).max())
         planned = Planned(plan, stopped, problem, result, estimate_s, learned)
@@ -126,7 +134,10 @@ def plan_routes(
 def _known(flight: Flight, plan: Plan) -> bool:
     assert plan.certificate is not None
     kinds = {violation.kind for violation in plan.certificate.violations}
-    return flight.exact and (not flight.estimated or kinds != {"separation"})
+    # A search for other routes knows nothing of the ways home from them.
+    return kinds == {"home"} or (
+        flight.exact and (not flight.estimated or kinds not in ({"separation"}, {"endurance"}))
+    )
 
 
 def _calibrated(
@@ -177,15 +188,21 @@ def _as_flown(
         uavs=plan_uavs(scenario, problem.starts_m),
     )
     curves = flight.trajectories(problem, routes, scenario.fleet.ids, found.dem.height)
-    return rounded(build_plan(routes, terms, flight.name, flight.parameters, curves))
+    plan = build_plan(routes, terms, flight.name, flight.parameters, curves)
+    return rounded(replace(plan, wind_mps=planned_wind_mps(scenario)))
 
 
-def certify_plan(plan: Plan, ground: GroundRule | None = None) -> Certificate:
-    """Check a plan from its positions, energy included, and height where the ground is known."""
+def certify_plan(
+    plan: Plan, ground: GroundRule | None = None, home: GroundRule | None = None
+) -> Certificate:
+    """Check a plan from its positions, energy included, and height where the ground is known.
+
+    `home` is the rule for the ways home.
+    """
     floor = energy_floor_of(
         plan.radio, tuple(uav.p_max_dbm for uav in plan.uavs), plan.k_min, plan.delta
     )
-    return certify(plan, energy_floor=floor, ground=ground)
+    return certify(plan, energy_floor=floor, ground=ground, home_ground=home)
 
 
 def read_and_certify(path: Path) -> Plan:

@@ -56,6 +56,24 @@ def fleet_limits(scenario: Scenario) -> tuple[MotionLimits, ...]:
     return tuple(_sharp(_slower(limits, wind_cap_mps), cap_mps) for limits in own)
 
 
+def planned_wind_mps(scenario: Scenario) -> float:
+    """The wind, from any quarter, in which speeds and tilt limit still keep the plan's times, m/s.
+
+    0 where nothing is left for it: in mode straight, and where curves use all of their tilt.
+    """
+    wanted = scenario.trajectory
+    if wanted.mode == "straight":
+        return 0.0
+    if wanted.mode == "waypoints":
+        return wanted.wind_mps
+    # Loaded here: its compiler takes a second, which other modes need not pay.
+    from jfto_world.motion.arducopter import Airframe, WpNav
+
+    top_mps = Airframe().top_airspeed_mps(WpNav(angle_max_deg=wanted.curve_tilt_deg))
+    left_mps = AIRSPEED_SHARE * top_mps - max(scenario.fleet.speed_mps)
+    return min(wanted.wind_mps, max(math.floor(left_mps / _STEP_MPS) * _STEP_MPS, 0.0))
+
+
 def speed_notes(scenario: Scenario) -> tuple[str, ...]:
     """What was lowered, why, and how to fly faster: a sentence per cause."""
     if scenario.trajectory.mode != "waypoints":

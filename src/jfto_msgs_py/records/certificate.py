@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated
 
-from jfto_msgs_py.records.fields import FILLED, NULL_IS_NAN, OneOf, Range
+from jfto_msgs_py.records.fields import FILLED, MAY_LACK, NULL_IS_NAN, OneOf, Range
 
 # Kinds of violation; each names the constraint of the paper or the definition it belongs to.
 KINDS = (
@@ -15,6 +15,9 @@ KINDS = (
     "neighbours",  # a UAV has fewer than K_min neighbours at P_max (P1kmin)
     "connected",  # the fleet splits into several components at P_max (P0_fullC)
     "duration",  # a UAV reaches its last waypoint after T_a,max (P1tmax)
+    "clearance",  # a UAV is too near the ground
+    "home",  # the way home is too near another UAV, or contradicts itself or the route
+    "endurance",  # a UAV stands at its pad later than its battery lets it fly
     "energy",  # the least power that keeps the topology costs more than E_a,max (P0emax)
     "route",  # times, lengths or positions in the plan contradict its own routes
 )
@@ -43,6 +46,22 @@ class Violation:
 
 
 @dataclass(frozen=True)
+class WayHomeCheck:
+    """What was found of the ways home, from the horizon until the last UAV is down at `landed_s`.
+
+    `worst_separation_m` is the least distance between two UAVs, `least_clearance_m` that to the
+    ground away from pads and last waypoints, where the ground was known. The shares are of time:
+    with the fleet in one part, and with K_min neighbours for everybody. They are no rule.
+    """
+
+    landed_s: float
+    worst_separation_m: Measured
+    least_clearance_m: Measured
+    connected_share: float
+    neighbours_share: float
+
+
+@dataclass(frozen=True)
 class Certificate:
     """Result of checking a plan from its positions alone.
 
@@ -51,7 +70,7 @@ class Certificate:
     sampling. `worst_margin_db` is the least surplus of received power over the sensitivity on the
     link to a UAV's K_min-th neighbour, at `worst_margin_uav` and `worst_margin_slot`;
     `worst_separation_m` is the least distance between two UAVs; `energy_floor_j` the energy that
-    the least powers of the topology cost each UAV.
+    the least powers of the topology cost each UAV; `home` is what was found of the ways home.
     """
 
     clean: bool
@@ -64,3 +83,4 @@ class Certificate:
     worst_separation_m: Measured
     energy_floor_j: tuple[Measured, ...]
     violations: tuple[Violation, ...]
+    home: WayHomeCheck | None = field(default=None, metadata=MAY_LACK)

@@ -12,11 +12,14 @@ from numpy.typing import NDArray
 from jfto_msgs_py.records.certificate import Certificate
 from jfto_msgs_py.records.fields import Range
 from jfto_msgs_py.records.radio import Radio
+from jfto_msgs_py.records.way_home import WayHome
 
 Vector = tuple[float, float, float]
 
 PLAN_FORMAT = "jfto-plan"
-PLAN_VERSION = 1
+PLAN_VERSION = 2
+# Plans of version 1 say nothing of the way home, of endurance and of wind.
+PLAN_VERSIONS_READ = (1, 2)
 
 
 @dataclass(frozen=True)
@@ -43,7 +46,10 @@ class Waypoint:
 
 @dataclass(frozen=True)
 class Uav:
-    """One vehicle of the fleet: its limits and its pad (ENU metres)."""
+    """One vehicle of the fleet: its limits and its pad (ENU metres).
+
+    `endurance_s` is how long its battery lets it fly from lift-off to landing, 0 where nobody said.
+    """
 
     id: str
     p_max_dbm: float
@@ -53,6 +59,7 @@ class Uav:
     climb_mps: float
     descent_mps: float
     start_m: Vector
+    endurance_s: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -95,8 +102,9 @@ class Plan:
     """The whole plan. `routes[a]` belongs to `uavs[a]`; `positions_m` is (A, count + 1, 3), ENU.
 
     `time_model` and `time_parameters` say how routes turn into times; under "bezier" the flight is
-    `trajectories`, one record per UAV, which is empty otherwise. `certificate` is None before the
-    check.
+    `trajectories`, one record per UAV, which is empty otherwise. `homes` are the ways home, one per
+    UAV, empty where none is planned. `wind_mps` is the wind that speeds leave room for below the
+    tilt limit; times are for calm air. `certificate` is None before the check.
     """
 
     scenario_hash: str
@@ -116,11 +124,18 @@ class Plan:
     time_model: str = "constant_speed"
     time_parameters: Mapping[str, float] = field(default_factory=dict)
     trajectories: tuple[dict[str, Any], ...] = field(default=())
+    homes: tuple[WayHome, ...] = ()
+    wind_mps: float = 0.0
 
     @property
     def total_length_m(self) -> float:
         """Summed length of all routes in metres (P1obj)."""
         return float(sum(route.length_m for route in self.routes))
+
+    @property
+    def landed_s(self) -> float | None:
+        """When the last UAV stands at its pad, s from lift-off; None without planned ways home."""
+        return max((home.landed_s for home in self.homes), default=None)
 
     @property
     def clean(self) -> bool:

@@ -35,6 +35,15 @@ class FleetPart:
         high=100_000.0,
         per_uav=True,
     )
+    endurance_s: tuple[float, ...] = param(
+        (0.0,),
+        "How long the battery lets a UAV fly, from lift-off until it stands at its pad, reserve "
+        "left out. 0: not known, not checked.",
+        unit="s",
+        low=0.0,
+        high=100_000.0,
+        per_uav=True,
+    )
     speed_mps: tuple[float, ...] = param(
         (10.0,), "Horizontal speed.", unit="m/s", low=0.1, high=60.0, per_uav=True
     )

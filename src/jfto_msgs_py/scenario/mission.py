@@ -11,7 +11,13 @@ from jfto_msgs_py.scenario.key import param
 class NetworkPart:
     """Rules for the number of neighbours."""
 
-    k_min: int = param(2, "Least number of neighbours of every UAV, K_min.", low=1, high=100)
+    k_min: int = param(
+        2,
+        "Least number of neighbours of every UAV, K_min. 0: none, the fleet need only be "
+        "connected; a fleet of one has no other.",
+        low=0,
+        high=100,
+    )
     delta: int = param(2, "Most neighbours beyond K_min, δ.", low=0, high=100)
 
 

@@ -122,8 +122,9 @@ def _check_together(values: dict[str, Any], given: Layer, problems: list[str]) -
     if k_min >= count:
         complain(
             "network.k_min",
-            f"is {k_min}, but {count} UAVs can have at most {count - 1} neighbours. "
-            f"Set it to {count - 1} or less, or fleet.count to {k_min + 1} or more.",
+            f"is {k_min}, but {count} UAV{'s' * (count > 1)} can have at most {count - 1} "
+            f"neighbours. Set it to {count - 1}{' or less' * (count > 1)}, or fleet.count to "
+            f"{k_min + 1} or more.",
             "fleet.count",
         )
     slots = _value(values, "mission.slot_count")

@@ -274,10 +274,10 @@ def test_all_problems_are_listed_at_once(
     path = tmp_path / "mine.yaml"
     radio = "    radio:\n      bandwith_hz: 1.0\n      noise_dbm: 110.0\n"
     path.write_text(f"{_HEAD}{radio}    mission: {{d: 1}}\n")
-    assert main(["plan", str(path), "--set", "network.k_min=0"]) == 2
+    assert main(["plan", str(path), "--set", "network.k_min=-1"]) == 2
     said = capsys.readouterr().err
     assert "mine.yaml:4: unknown key radio.bandwith_hz" in said
     assert "mine.yaml:5: radio.noise_dbm is 110" in said
     assert "mine.yaml:6: unknown key mission.d" in said
-    assert "--set: network.k_min is 0" in said
+    assert "--set: network.k_min is -1" in said
     assert "4 problems. Nothing was done." in said

@@ -51,7 +51,7 @@ def test_the_antenna_short_hand_sets_both_gains() -> None:
 def test_every_problem_is_listed() -> None:
     """One error carries all problems, each with its origin."""
     with pytest.raises(ScenarioError) as caught:
-        make_scenario([_layer(network__k_min=0, radio__noise_dbm=50.0, nonsense=1)])
+        make_scenario([_layer(network__k_min=-1, radio__noise_dbm=50.0, nonsense=1)])
     assert len(caught.value.problems) == 3
     assert all(problem.startswith("here: ") for problem in caught.value.problems)
 

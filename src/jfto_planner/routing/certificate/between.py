@@ -26,11 +26,11 @@ def check_between(plan: Plan, positions_m: Array) -> tuple[list[Violation], floa
         return [], np.inf
     gaps = positions_m[:, first] - positions_m[:, second]
     known = np.linalg.norm(gaps, axis=2).min(axis=0) < plan.d_min_m
-    nearest = _chord_distance(gaps)
+    nearest = chord_distance(gaps)
     if (nearest.min(axis=0) < plan.d_min_m + TOLERANCE_M)[~known].any():
         finer = max(1, int(np.ceil(plan.slots.duration_s / CHORD_S)))
         flown = fly(plan, finer).positions_m
-        nearest = _chord_distance(flown[:, first] - flown[:, second])
+        nearest = chord_distance(flown[:, first] - flown[:, second])
     found = []
     worst = nearest.min(axis=0)
     for pair in np.flatnonzero(~known & (worst < plan.d_min_m - TOLERANCE_M)):
@@ -42,7 +42,7 @@ def check_between(plan: Plan, positions_m: Array) -> tuple[list[Violation], floa
     return found, float(worst.min())
 
 
-def _chord_distance(gaps: Array) -> Array:
+def chord_distance(gaps: Array) -> Array:
     """Least length of gaps (T, P, 3) on the straight way from one instant to the next, (T-1, P)."""
     begin, step = gaps[:-1], np.diff(gaps, axis=0)
     square = (step**2).sum(axis=2)

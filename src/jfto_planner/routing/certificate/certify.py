@@ -8,16 +8,23 @@ plan names, and separation between these, too.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
 from jfto_msgs_py.errors import PlanError
-from jfto_msgs_py.records.certificate import Certificate, Violation
+from jfto_msgs_py.records.certificate import Certificate, Violation, WayHomeCheck
 from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.types import Array, Flags
 from jfto_msgs_py.units import dbm_to_w, ratio_to_db
 from jfto_planner.routing.certificate.between import check_between
 from jfto_planner.routing.certificate.ground import GroundRule, check_ground
+from jfto_planner.routing.certificate.home import (
+    LINKS_S,
+    check_home,
+    home_places_m,
+    home_times_s,
+)
 from jfto_planner.routing.certificate.instants import Instants, instants_of
 from jfto_planner.routing.certificate.routes import Flown, check_routes, fly
 from jfto_world.radio import make_channel
@@ -28,7 +35,10 @@ FINER = 10
 
 
 def certify(
-    plan: Plan, energy_floor: EnergyFloor | None = None, ground: GroundRule | None = None
+    plan: Plan,
+    energy_floor: EnergyFloor | None = None,
+    ground: GroundRule | None = None,
+    home_ground: GroundRule | None = None,
 ) -> Certificate:
     """Check every constraint of (P1) and the energy floor (P0emax).
 
@@ -41,6 +51,8 @@ def certify(
         of the given duration in seconds; None leaves energy out.
     ground
         Height that is wanted above the ground along the whole flight; None leaves it out.
+    home_ground
+        The same for the ways home, where the plan has them.
 
     Returns
     -------
@@ -69,6 +81,8 @@ def certify(
     violations += _check_instants(plan, coarse, fine)
     close, nearest_m = check_between(plan, flown.positions_m)
     violations += close
+    lost, home = check_home(plan, home_ground)
+    violations += lost
     margin, margin_uav, margin_slot = fine.worst_margin()
     return Certificate(
         clean=not violations,
@@ -81,6 +95,17 @@ def certify(
         worst_separation_m=min(nearest_m, float(fine.distance.min(initial=np.inf))),
         energy_floor_j=floors,
         violations=tuple(violations),
+        home=None if home is None else _with_links(plan, home),
+    )
+
+
+def _with_links(plan: Plan, home: WayHomeCheck) -> WayHomeCheck:
+    """The findings with the shares of time in which the fleet is linked on its way home."""
+    seen = plan_instants(plan, home_places_m(plan, home_times_s(plan, LINKS_S)), 1)
+    return replace(
+        home,
+        connected_share=float((seen.components == 1).mean()),
+        neighbours_share=float((~seen.short.any(axis=1)).mean()),
     )
 
 
