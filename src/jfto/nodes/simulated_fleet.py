@@ -23,8 +23,7 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 from std_msgs.msg import Float64MultiArray, Header, UInt8MultiArray
 
 from jfto.node_options import SimulatedFleetOptions
-from jfto.simulation.air import fleet_air
-from jfto.simulation.fleet import FleetTime, vehicle_configs
+from jfto.simulation.fleet import FleetTime, fleet_air, vehicle_configs
 from jfto.simulation.pace import FleetPace, PacedFlight, PaceSettings
 from jfto_msgs_py.errors import InputError, PlanError
 from jfto_msgs_py.plan_file import read_plan

@@ -12,8 +12,7 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64, Float64MultiArray, Header
 
 from jfto.nodes.simulated_fleet import SimulatedFleetNode
-from jfto.simulation.air import hesitations_s
-from jfto.simulation.fleet import FleetTime, vehicle_configs
+from jfto.simulation.fleet import FleetTime, hesitations_s, vehicle_configs
 from jfto_mavlink.io.address import free_udp_port
 from jfto_msgs_py.errors import JftoError
 from jfto_msgs_py.plan_file import write_plan
