@@ -6,11 +6,11 @@ from pathlib import Path
 
 import click
 
-from jfto.cli.options import json_option, print_json
+from jfto.cli.options import PATH, json_option, print_json
 
 
 @click.command("check")
-@click.argument("plan", type=click.Path(path_type=Path))
+@click.argument("plan", type=PATH)
 @json_option
 def command(plan: Path, as_json: bool) -> int:
     """Verify PLAN from its positions alone, with code that planning does not use.

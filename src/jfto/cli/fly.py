@@ -7,9 +7,8 @@ from typing import Any
 
 import click
 
-from jfto.cli.options import set_option
+from jfto.cli.options import PATH, set_option
 from jfto.cli.run import flight_options, run
-from jfto.cli.vehicle_options import PATH
 
 
 @click.command("fly")

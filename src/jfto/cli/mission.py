@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jfto.cli.mission_options import build, build_options
-from jfto.cli.vehicle_options import (
+from jfto.cli.options import (
     PATH,
     key_option,
     roster_texts,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jfto.cli.vehicle_options import PATH, Function
+from jfto.cli.options import PATH, Function
 
 if TYPE_CHECKING:
     from jfto_mavlink.mission.build import VehicleMission

@@ -18,9 +18,16 @@ if TYPE_CHECKING:
 Function = Callable[..., Any]
 
 # Existence and kind of files are checked where they are read, with better words.
-_PATH = click.Path(path_type=Path)
+PATH = click.Path(path_type=Path)
 
-scenario_argument = click.argument("scenario", type=_PATH)
+_FORMS = (
+    "sim or sim:N: simulated ones. LINK: vehicles with system ids 1, 2 …, all on one link or each "
+    "on its own (udpin:, udpout:, tcp:, serial:). UAV=SYSID@LINK[#UID] per vehicle. {}May be "
+    "repeated or separated by commas."
+)
+_FROM_SCENARIO = "roster: those of the scenario's section mavlink_bridge. "
+
+scenario_argument = click.argument("scenario", type=PATH)
 set_option = click.option(
     "--set",
     "overrides",
@@ -38,6 +45,16 @@ method_option = click.option(
     "search alone finds with the same effort.",
 )
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON for programs.")
+key_option = click.option(
+    "--key", "key_file", type=PATH, metavar="FILE", help="MAVLink signing key, mode 0600."
+)
+speedup_option = click.option(
+    "--speedup",
+    type=click.FloatRange(0.1, 50.0),
+    default=1.0,
+    show_default=True,
+    help="Simulated vehicles only: how much faster than the clock.",
+)
 
 
 def print_json(facts: dict[str, Any]) -> None:
@@ -47,7 +64,7 @@ def print_json(facts: dict[str, Any]) -> None:
 
 def out_option(kind: str, default: str) -> Callable[[Function], Function]:
     """Option -o/--out that names where results go."""
-    return click.option("-o", "--out", type=_PATH, metavar=kind, help=f"Default: {default}.")
+    return click.option("-o", "--out", type=PATH, metavar=kind, help=f"Default: {default}.")
 
 
 def scenario_options(*, searched: bool = True) -> Callable[[Function], Function]:
@@ -87,3 +104,14 @@ def load(
     seeding = () if seed is None else (f"search.seed={seed}",)
     choosing = () if method is None else (f"search.method={method}",)
     return load_scenario(scenario, (*overrides, *seeding, *choosing))
+
+
+def vehicles_option(*, scenario: bool = True, **settings: Any) -> Callable[[Function], Function]:
+    """Option --vehicles; with `scenario` that may name them too. `settings` are click's."""
+    text = _FORMS.format(_FROM_SCENARIO if scenario else "")
+    return click.option("--vehicles", metavar="WHO", multiple=True, help=text, **settings)
+
+
+def roster_texts(vehicles: tuple[str, ...]) -> list[str]:
+    """Roster entries of a command line, one by one."""
+    return [text for entry in vehicles for text in entry.split(",") if text]

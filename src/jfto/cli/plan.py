@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jfto.cli.options import json_option, out_option, print_json, scenario_options
+from jfto.cli.options import PATH, json_option, out_option, print_json, scenario_options
 
 if TYPE_CHECKING:
     from jfto.planning.scenario_file import LoadedScenario
@@ -16,9 +16,7 @@ if TYPE_CHECKING:
 @click.command("plan")
 @scenario_options()
 @out_option("FILE", "plan.json")
-@click.option(
-    "--warm-start", type=click.Path(path_type=Path), metavar="PLAN", help="Improve this plan."
-)
+@click.option("--warm-start", type=PATH, metavar="PLAN", help="Improve this plan.")
 @json_option
 def command(
     loaded: LoadedScenario, out: Path | None, warm_start: Path | None, as_json: bool

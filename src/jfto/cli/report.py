@@ -6,11 +6,11 @@ from pathlib import Path
 
 import click
 
-from jfto.cli.options import json_option, print_json
+from jfto.cli.options import PATH, json_option, print_json
 
 
 @click.command("report")
-@click.argument("directory", metavar="DIR", type=click.Path(path_type=Path))
+@click.argument("directory", metavar="DIR", type=PATH)
 @json_option
 def command(directory: Path, as_json: bool) -> int:
     """Rebuild comparison, figures and report of the run in DIR from its scenario, plan and bag.

@@ -7,8 +7,16 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jfto.cli.options import Function, json_option, out_option, scenario_options
-from jfto.cli.vehicle_options import PATH, key_option, roster_texts, vehicles_option
+from jfto.cli.options import (
+    PATH,
+    Function,
+    json_option,
+    key_option,
+    out_option,
+    roster_texts,
+    scenario_options,
+    vehicles_option,
+)
 
 if TYPE_CHECKING:
     from jfto.console.stages import StageProgress

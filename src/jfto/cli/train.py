@@ -6,13 +6,15 @@ from pathlib import Path
 
 import click
 
+from jfto.cli.options import PATH
+
 
 @click.command("train")
-@click.argument("config", type=click.Path(path_type=Path))
+@click.argument("config", type=PATH)
 @click.option(
     "-o",
     "--out",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="DIR",
     default=Path("training"),
     show_default=True,

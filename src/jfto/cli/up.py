@@ -11,8 +11,17 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jfto.cli.options import load, out_option, scenario_argument, set_option
-from jfto.cli.vehicle_options import PATH, key_option, roster_texts, speedup_option, vehicles_option
+from jfto.cli.options import (
+    PATH,
+    key_option,
+    load,
+    out_option,
+    roster_texts,
+    scenario_argument,
+    set_option,
+    speedup_option,
+    vehicles_option,
+)
 from jfto.supervision.graph_table import HORIZON_SLOTS, START_DELAY_S
 from jfto_msgs_py.ros.installation import require_ros
 
