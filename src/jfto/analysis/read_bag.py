@@ -24,8 +24,7 @@ from jfto.analysis.record import (
     Track,
     Trouble,
 )
-from jfto.bag.contents import BagMessage
-from jfto.bag.errors import BagError
+from jfto.bag.contents import BagError, BagMessage
 from jfto.bag.reader import Bag
 from jfto_msgs_py.errors import InputError, MessageError
 from jfto_msgs_py.records.event import Event

@@ -14,8 +14,7 @@ from rosbags.interfaces import ConnectionExtRosbag2, Qos
 from rosbags.rosbag2 import Reader
 from rosbags.rosbag2.metadata import parse_qos
 
-from jfto.bag.contents import BagMessage, BagTopic
-from jfto.bag.errors import BagError
+from jfto.bag.contents import BagError, BagMessage, BagTopic
 
 
 class IndexedPart:

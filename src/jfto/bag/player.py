@@ -12,12 +12,12 @@ from rosgraph_msgs.msg import Clock
 from jfto.bag.contents import BagTopic
 from jfto.bag.qos import playing_profile
 from jfto.bag.reader import Bag
-from jfto.ros_cli.errors import RosCommandError
+from jfto.ros_cli import RosCommandError
 from jfto.ros_cli.messages import message_class
 from jfto.ros_cli.session import Session
+from jfto_msgs_py.ros import topics
 from jfto_msgs_py.ros.stamps import encode_time
 
-CLOCK = "/clock"
 # Subscriptions that are there already are waited for so long: nobody misses the first messages.
 _MATCH_LIMIT_S = 2.0
 _ACKNOWLEDGE_LIMIT_S = 2.0
@@ -45,11 +45,11 @@ class Player:
         # By recorded topic; that of the clock which we are is "".
         self._publishers: dict[str, Any] = {}
         for topic in bag.facts.topics:
-            replaced = options.clock_hz is not None and topic.name == CLOCK
+            replaced = options.clock_hz is not None and topic.name == topics.CLOCK
             if not replaced and (not options.topics or topic.name in options.topics):
                 self._add(topic)
         if options.clock_hz is not None:
-            self._publishers[""] = session.node.create_publisher(Clock, CLOCK, 10)
+            self._publishers[""] = session.node.create_publisher(Clock, topics.CLOCK, 10)
 
     def _add(self, topic: BagTopic) -> None:
         node, log = self._session.node, self._session.node.get_logger()

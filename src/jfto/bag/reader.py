@@ -11,8 +11,7 @@ from typing import Any
 
 import yaml
 
-from jfto.bag.contents import BagFacts, BagMessage, BagTopic
-from jfto.bag.errors import BagError
+from jfto.bag.contents import BagError, BagFacts, BagMessage, BagTopic
 from jfto.bag.parts import IndexedPart, ScannedPart, open_part
 
 EMPTY_START_NS = 2**63 - 1

@@ -1,27 +1,32 @@
-"""`bag record`: a node that subscribes to topics as they appear and writes what comes."""
+"""`bag record`: a node that subscribes to topics as they appear and writes what comes.
+
+Beside the bag it may write all nodes' parameters, so that it can be replayed as it was flown.
+"""
 
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 from typing import Any
 
+import yaml
 from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
 from rosgraph_msgs.msg import Clock
 
-from jfto.bag.choice import Choice
-from jfto.bag.parameter_keeper import ParameterKeeper
 from jfto.bag.qos import offered_by
-from jfto.bag.recorder import BagRecorder
-from jfto.ros_cli import graph
-from jfto.ros_cli.errors import RosCommandError
+from jfto.bag.recorder import PARAMETERS_NAME, BagRecorder, Choice
+from jfto.ros_cli import RosCommandError, graph
+from jfto.ros_cli.graph import fitting_profile
 from jfto.ros_cli.messages import message_class, received_ns
-from jfto.ros_cli.qos import fitting_profile
+from jfto.ros_cli.parameters import Steps, read_all
 from jfto.ros_cli.session import Session, Stopped
+from jfto_msgs_py.files import write_file
+from jfto_msgs_py.ros import topics
 from jfto_msgs_py.ros.stamps import decode_time
 
-CLOCK = "/clock"
 # Messages wait in the middleware and are taken by the batch: to wake up for each takes five times
 # the processor time. When it was received comes with each. New topics are looked for as often.
 _BATCH_EVERY_S = 0.1
@@ -39,7 +44,7 @@ class Recording:
         session: Session,
         recorder: BagRecorder,
         choice: Choice,
-        keeper: ParameterKeeper | None = None,
+        parameters: ParametersFile | None = None,
         *,
         sim_time: bool = False,
     ) -> None:
@@ -47,7 +52,7 @@ class Recording:
         self._session = session
         self._recorder = recorder
         self._choice = choice
-        self._keeper = keeper
+        self._parameters = parameters
         self._sim_time = sim_time
         self._sim_ns = 0
         self._known: set[str] = set()
@@ -59,7 +64,7 @@ class Recording:
         """Record until SIGINT or SIGTERM; the bag is left to be closed."""
         node = self._session.node
         if self._sim_time:
-            self._subscribe("", Clock, CLOCK, fitting_profile([], _DEPTH))
+            self._subscribe("", Clock, topics.CLOCK, fitting_profile([], _DEPTH))
         node.get_logger().info("Recording...")
         flush_s = 0.0
         try:
@@ -76,8 +81,8 @@ class Recording:
     def _look(self) -> None:
         """Subscribe to topics that have appeared, once there is a time to stamp messages with."""
         node = self._session.node
-        if self._keeper is not None:
-            self._keeper.look()
+        if self._parameters is not None:
+            self._parameters.ask()
         if self._complete or (self._sim_time and not self._sim_ns):
             return
         # A hidden topic is recorded where it is named.
@@ -126,7 +131,7 @@ class Recording:
                 if taken is None:
                     break
                 self._put(topic, *taken)
-        for _ in range(self._keeper.go_on() if self._keeper is not None else 0):
+        for _ in range(self._parameters.take_answers() if self._parameters is not None else 0):
             self._session.run_ready()
         self._batch.sort(key=lambda each: each[0])
         for stamp_ns, topic, data in self._batch:
@@ -135,3 +140,40 @@ class Recording:
             elif not self._sim_time or self._sim_ns:
                 self._recorder.write(topic, self._sim_ns if self._sim_time else stamp_ns, data)
         self._batch.clear()
+
+
+class ParametersFile:
+    """Asks each node for its parameters once, as soon as it answers, and writes what it said."""
+
+    def __init__(self, node: Any, path: Path) -> None:
+        self._node = node
+        self._file = path / PARAMETERS_NAME
+        # What each node is being asked, and what is waited for before the next question.
+        self._asking: dict[str, tuple[Steps[dict[str, Any]], Callable[[], bool]]] = {}
+        self._trees: dict[str, Any] = {}
+
+    def ask(self) -> None:
+        """Begin to ask nodes that have appeared."""
+        offered = dict(graph.services(self._node, hidden=True))
+        for name in graph.nodes(self._node):
+            known = name in self._asking or name in self._trees
+            if not known and f"{name}/list_parameters" in offered:
+                steps = read_all(self._node, name)
+                self._asking[name] = (steps, next(steps))
+
+    def take_answers(self) -> int:
+        """Take answers in that have come, and ask on; how many are being waited for."""
+        for name, (steps, came) in tuple(self._asking.items()):
+            try:
+                if came():
+                    self._asking[name] = (steps, next(steps))
+            except StopIteration as end:
+                del self._asking[name]
+                self._write(name, end.value)
+        return len(self._asking)
+
+    def _write(self, name: str, values: dict[str, Any]) -> None:
+        # A parameter file cannot say of what type an empty list is.
+        kept = {each: value for each, value in values.items() if value != []}
+        self._trees[name] = {"ros__parameters": kept}
+        write_file(self._file, yaml.safe_dump(self._trees))

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import time
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +17,7 @@ from rosbags.interfaces import Qos
 from rosbags.rosbag2.metadata import dump_qos_v9
 from rosbags.typesys import Stores, get_typestore
 
-from jfto.bag.errors import BagError
+from jfto.bag.contents import BagError
 from jfto.bag.reader import EMPTY_START_NS
 from jfto_msgs_py.files import write_file
 
@@ -24,6 +26,28 @@ PARAMETERS_NAME = "parameters.yaml"
 _VERSION = 9
 # It has to name the topics and the beginning; the counts of a killed recording are in the file.
 _METADATA_EVERY_S = 10.0
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Which topics are recorded: those that are named, or match, or all of them."""
+
+    topics: frozenset[str] = frozenset()
+    pattern: re.Pattern[str] | None = None
+    everything: bool = False
+    excluded: frozenset[str] = frozenset()
+
+    @property
+    def is_open_ended(self) -> bool:
+        """Whether topics that nobody knows of yet may be wanted."""
+        return self.everything or self.pattern is not None
+
+    def wants(self, topic: str) -> bool:
+        """Whether a topic is to be recorded."""
+        if topic in self.excluded:
+            return False
+        matches = self.pattern is not None and self.pattern.search(topic) is not None
+        return topic in self.topics or self.everything or matches
 
 
 class BagRecorder:

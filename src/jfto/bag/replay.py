@@ -13,8 +13,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 from rosbags.typesys import Stores, get_typestore
 
 from jfto.bag.comparison import Stamped, TopicComparison, compare_topic
-from jfto.bag.contents import BagMessage
-from jfto.bag.errors import BagError
+from jfto.bag.contents import BagError, BagMessage
 from jfto.bag.reader import Bag
 from jfto.bag.recorder import BagRecorder
 from jfto.planning.scenario_file import load_node_parameters

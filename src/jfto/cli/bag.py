@@ -11,9 +11,9 @@ from typing import Any
 
 import click
 
+from jfto.cli.options import PATH
 from jfto.cli.ros_options import session_of, spin_option
 
-_PATH = click.Path(path_type=Path)
 _RATE = click.FloatRange(0, min_open=True)
 _SECONDS = click.FloatRange(0)
 
@@ -24,14 +24,14 @@ def command() -> None:
 
 
 @command.command("info")
-@click.argument("bag", type=_PATH)
+@click.argument("bag", type=PATH)
 @click.option("-t", "--topic-name", "names_only", is_flag=True, help="Print topic names only.")
 def info(bag: Path, names_only: bool) -> int:
     """Show what BAG holds.
 
     BAG is a folder, or an .mcap or .db3 file. Unfinished recordings are read too.
     """
-    from jfto.bag.info_text import info_text
+    from jfto.bag.contents import info_text
     from jfto.bag.reader import Bag
 
     facts = Bag(bag).facts
@@ -50,7 +50,7 @@ def info(bag: Path, names_only: bool) -> int:
 @click.option("-a", "--all", "everything", is_flag=True, help="Record all topics.")
 @click.option("-e", "--regex", metavar="REGEX", help="Record topics that match.")
 @click.option("-x", "--exclude-topics", "excluded", multiple=True, metavar="TOPIC", help="But not.")
-@click.option("-o", "--output", type=_PATH, metavar="DIR", help="Folder to make.")
+@click.option("-o", "--output", type=PATH, metavar="DIR", help="Folder to make.")
 @click.option("--next-free", is_flag=True, help="If DIR is there, record to DIR-2 and so on.")
 @click.option(
     "--use-sim-time",
@@ -61,7 +61,7 @@ def info(bag: Path, names_only: bool) -> int:
 @click.option("--compress", is_flag=True, help="Compress the messages with zstd.")
 @click.option(
     "--params-file",
-    type=_PATH,
+    type=PATH,
     metavar="FILE",
     help="Keep this parameter file in the bag, for `jfto bag replay`.",
 )
@@ -79,8 +79,7 @@ def record(
     Those that appear later are included. The bag is an mcap bag of version 9 that `ros2 bag` plays.
     A kill costs no more than the last second.
     """
-    from jfto.bag.choice import Choice
-    from jfto.bag.recorder import PARAMETERS_NAME, BagRecorder
+    from jfto.bag.recorder import PARAMETERS_NAME, BagRecorder, Choice
     from jfto.supervision.process import die_with_parent
     from jfto_msgs_py.errors import InputError
     from jfto_msgs_py.files import read_text, write_file
@@ -102,15 +101,14 @@ def record(
         raise click.BadParameter(f"'{path}' is there already.", param_hint="--output")
     die_with_parent()
     with session_of(node_name="rosbag2_recorder") as session:
-        from jfto.bag.parameter_keeper import ParameterKeeper
-        from jfto.bag.record import Recording
+        from jfto.bag.record import ParametersFile, Recording
 
         recorder = BagRecorder(path, compress=choices["compress"])
         if kept is not None:
             write_file(path / PARAMETERS_NAME, kept)
-        keeper = ParameterKeeper(session.node, path) if choices["ask_nodes"] else None
+        asked = ParametersFile(session.node, path) if choices["ask_nodes"] else None
         try:
-            Recording(session, recorder, chosen, keeper, sim_time=choices["sim_time"]).run()
+            Recording(session, recorder, chosen, asked, sim_time=choices["sim_time"]).run()
         finally:
             recorder.close()
     click.echo(f"{path}: {recorder.message_count} messages", err=True)
@@ -131,7 +129,7 @@ def _pattern(text: str | None) -> re.Pattern[str] | None:
 
 
 @command.command("play")
-@click.argument("bag", type=_PATH)
+@click.argument("bag", type=PATH)
 @click.argument("more", nargs=-1, metavar="[TOPIC]... [OLD:=NEW]...")
 @click.option("-r", "--rate", type=_RATE, default=1.0, metavar="N", help="N times as fast.")
 @click.option("--topics", multiple=True, metavar="TOPIC", help="Play this topic; more may follow.")
@@ -192,7 +190,7 @@ def _remap(rules: list[str]) -> dict[str, str]:
 
 
 @command.command("replay")
-@click.argument("bag", type=_PATH)
+@click.argument("bag", type=PATH)
 @click.option(
     "--nodes",
     default="topology,power",
@@ -202,7 +200,7 @@ def _remap(rules: list[str]) -> dict[str, str]:
 )
 @click.option(
     "--params-file",
-    type=_PATH,
+    type=PATH,
     metavar="FILE",
     help="Parameters of the run: its scenario. Default: BAG/parameters.yaml.",
 )
@@ -215,7 +213,7 @@ def _remap(rules: list[str]) -> dict[str, str]:
     metavar="DB",
     help="By how much powers may differ; links may not.",
 )
-@click.option("-o", "--output", type=_PATH, metavar="DIR", help="Write the outputs as a bag.")
+@click.option("-o", "--output", type=PATH, metavar="DIR", help="Write the outputs as a bag.")
 def replay(
     bag: Path,
     nodes: str,

@@ -47,8 +47,7 @@ def list_(session: Session, node_name: str | None, show_types: bool) -> None:
 @graph_command
 def get(session: Session, node_name: str, name: str, hide_type: bool) -> None:
     """Print parameter NAME of NODE_NAME."""
-    from jfto.ros_cli import graph
-    from jfto.ros_cli.errors import RosCommandError
+    from jfto.ros_cli import RosCommandError, graph
     from jfto.ros_cli.parameters import get_values, wait_for
 
     owner = graph.find_node(session, node_name)

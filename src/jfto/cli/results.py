@@ -117,7 +117,7 @@ def say_flight(plan: Plan, job: FlightJob, end: FlightEnd, progress: Progress) -
 
 
 def _say_bag(path: Path, progress: Progress) -> None:
-    from jfto.bag.errors import BagError
+    from jfto.bag.contents import BagError
     from jfto.bag.reader import Bag
 
     size = sum(file.stat().st_size for file in path.rglob("*") if file.is_file())

@@ -39,8 +39,7 @@ def call(session: Session, name: str, type_name: str, values: str) -> None:
 
     VALUES is YAML of the request, as in '{data: true}'. Waits for a service that is not there yet.
     """
-    from jfto.ros_cli import graph
-    from jfto.ros_cli.errors import RosCommandError
+    from jfto.ros_cli import RosCommandError, graph
     from jfto.ros_cli.messages import fill, read_yaml, service_class
 
     kind = service_class(type_name)

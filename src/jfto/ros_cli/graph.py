@@ -1,4 +1,4 @@
-"""Names on the graph: topics, services and nodes, hidden ones apart."""
+"""The graph: names of topics, services and nodes, hidden ones apart, and the QoS that fits them."""
 
 from __future__ import annotations
 
@@ -6,15 +6,17 @@ from typing import Any
 
 from rclpy.exceptions import NameValidationException
 from rclpy.expand_topic_name import expand_topic_name
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.topic_or_service_is_hidden import topic_or_service_is_hidden
 from rclpy.validate_full_topic_name import validate_full_topic_name
 
-from jfto.ros_cli.errors import RosCommandError
+from jfto.ros_cli import RosCommandError
 from jfto.ros_cli.session import Session
 
 NamesAndTypes = list[tuple[str, list[str]]]
 # A node that begins on a busy computer finds the others that late.
 _APPEAR_LIMIT_S = 5.0
+_DEPTH = 10
 
 
 def topics(node: Any, *, hidden: bool = False) -> NamesAndTypes:
@@ -71,3 +73,32 @@ def full_name(node: Any, name: str, *, is_service: bool = False) -> str:
     except (NameValidationException, ValueError) as error:
         raise RosCommandError(str(error)) from None
     return str(expanded)
+
+
+def fitting_profile(publishers: list[Any], depth: int = _DEPTH) -> QoSProfile:
+    """Profile of a subscription that fits all publishers of a topic, best effort without any."""
+    profiles = [each.qos_profile for each in publishers]
+    reliable = {each.reliability for each in profiles} == {ReliabilityPolicy.RELIABLE}
+    latched = {each.durability for each in profiles} == {DurabilityPolicy.TRANSIENT_LOCAL}
+    return QoSProfile(
+        depth=depth,
+        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+    )
+
+
+def wished(
+    profile: QoSProfile,
+    *,
+    qos_depth: int | None = None,
+    qos_reliability: str | None = None,
+    qos_durability: str | None = None,
+) -> QoSProfile:
+    """A profile with what the user asked for by name put in, None where nothing."""
+    if qos_depth is not None:
+        profile.depth = qos_depth
+    if qos_reliability is not None:
+        profile.reliability = ReliabilityPolicy[qos_reliability.upper()]
+    if qos_durability is not None:
+        profile.durability = DurabilityPolicy[qos_durability.upper()]
+    return profile

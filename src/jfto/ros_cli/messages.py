@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from jfto.ros_cli.errors import RosCommandError
+from jfto.ros_cli import RosCommandError
 
 _SEQUENCES = (list, tuple, array.array, np.ndarray)
 _TIME, _HEADER = "builtin_interfaces/Time", "std_msgs/Header"

@@ -14,7 +14,7 @@ from rcl_interfaces.msg import Parameter as ParameterMessage
 from rcl_interfaces.srv import GetParameters, GetParameterTypes, ListParameters, SetParameters
 from rclpy.parameter import Parameter, parameter_value_to_python
 
-from jfto.ros_cli.errors import RosCommandError
+from jfto.ros_cli import RosCommandError
 from jfto.ros_cli.messages import fill
 from jfto.ros_cli.session import Session
 

@@ -15,8 +15,8 @@ from typing import Any
 import click
 from rclpy.qos import QoSProfile
 
-from jfto.ros_cli import graph
-from jfto.ros_cli.errors import RosCommandError
+from jfto.ros_cli import RosCommandError, graph
+from jfto.ros_cli.graph import fitting_profile, wished
 from jfto.ros_cli.messages import (
     TextLimits,
     fill,
@@ -25,7 +25,6 @@ from jfto.ros_cli.messages import (
     received_ns,
     to_yaml,
 )
-from jfto.ros_cli.qos import fitting_profile, wished
 from jfto.ros_cli.session import Session
 
 _PRINT_EVERY_S = 1.0

@@ -10,7 +10,7 @@ import pytest
 
 from jfto.analysis.read_bag import read_flight
 from jfto.analysis.record import READ_BACK, SETPOINT
-from jfto.bag.errors import BagError
+from jfto.bag.contents import BagError
 from jfto.pipeline.run import Run
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.records.air import AirReport

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jfto.bag.contents import BagFacts, BagTopic
-from jfto.bag.info_text import info_text
+from jfto.bag.contents import BagFacts, BagTopic, info_text
 from jfto.cli.main import main
 
 

@@ -11,7 +11,7 @@ from mcap.writer import Writer
 from rosbags.interfaces import QosDurability, QosReliability
 from rosbags.typesys import Stores, get_typestore
 
-from jfto.bag.errors import BagError
+from jfto.bag.contents import BagError
 from jfto.bag.reader import Bag
 
 COUNTS = {

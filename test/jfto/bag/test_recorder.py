@@ -14,7 +14,7 @@ from rosbags.interfaces import (
 )
 from rosbags.rosbag2 import Reader
 
-from jfto.bag.errors import BagError
+from jfto.bag.contents import BagError
 from jfto.bag.reader import Bag
 from jfto.bag.recorder import BagRecorder
 

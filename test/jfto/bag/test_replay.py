@@ -9,7 +9,7 @@ import sys
 
 import pytest
 
-from jfto.bag.errors import BagError
+from jfto.bag.contents import BagError
 from jfto.bag.reader import Bag
 from jfto.bag.recorder import BagRecorder
 from jfto.bag.replay import replay_bag, write_outputs

@@ -11,7 +11,7 @@ from sensor_msgs.msg import BatteryState, NavSatFix
 from shape_msgs.msg import SolidPrimitive
 from std_msgs.msg import ByteMultiArray, String
 
-from jfto.ros_cli.errors import RosCommandError
+from jfto.ros_cli import RosCommandError
 from jfto.ros_cli.messages import TextLimits, fill, message_class, to_plain, to_yaml
 
 

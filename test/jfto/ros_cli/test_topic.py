@@ -7,8 +7,7 @@ import pytest
 import yaml
 from std_msgs.msg import Bool, String
 
-from jfto.ros_cli import graph
-from jfto.ros_cli.errors import RosCommandError
+from jfto.ros_cli import RosCommandError, graph
 from jfto.ros_cli.topic_verbs import rate_text
 from support.spinning import LIMIT_S, wait_until
 
