@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING, Any
 from jfto.console.progress import SILENT, Progress
 from jfto.planning.scenario_file import LoadedScenario
 from jfto.planning.scenario_file import load_scenario as _load
-from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.records.plan import Plan
 
 if TYPE_CHECKING:
@@ -61,7 +60,7 @@ def cover(scenario: ScenarioLike, progress: Progress = SILENT) -> Coverage:
     Parameters
     ----------
     scenario
-        A loaded scenario or the path of one, whose ``waypoints.source`` is ``coverage``.
+        A loaded scenario or the path of one; waypoints of any source are judged.
     progress
         Hears of stages and shares done.
 
@@ -73,17 +72,13 @@ def cover(scenario: ScenarioLike, progress: Progress = SILENT) -> Coverage:
     Raises
     ------
     InputError
-        The terrain or camera cannot be used, or waypoints are given rather than computed.
+        The terrain, the camera or given waypoints cannot be used.
     """
-    from jfto.planning.survey import survey
+    from jfto.planning.survey import judged, survey
 
     loaded = _loaded(scenario)
-    found = survey(loaded, progress).coverage
-    if found is None:
-        raise InputError(
-            f"{loaded.path}: waypoints.source is {loaded.scenario.waypoints.source}, so there is "
-            "no coverage to compute. Set it to coverage."
-        )
+    found = judged(survey(loaded, progress), loaded, progress).coverage
+    assert found is not None
     return found
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import jfto
-from jfto_msgs_py.errors import InputError, ScenarioError
+from jfto_msgs_py.errors import ScenarioError
 
 TINY = Path(__file__).parents[1] / "data/scenario/tiny.yaml"
 
@@ -64,11 +64,12 @@ def test_overrides_are_values_and_wrong_ones_are_refused():
         jfto.load_scenario(TINY, {"network.k_mim": 1})
 
 
-def test_given_waypoints_are_not_covered():
-    """Where waypoints are drawn or read there is no coverage to compute, and the error says so."""
+def test_waypoints_of_any_origin_are_judged():
+    """What drawn waypoints show of the area is certified as that of computed ones is."""
     drawn = jfto.load_scenario(TINY, {"waypoints.source": "uniform", "waypoints.count": 5})
-    with pytest.raises(InputError, match=r"waypoints\.source is uniform"):
-        jfto.cover(drawn)
+    found = jfto.cover(drawn)
+    assert len(found.waypoints) == 5
+    assert 0 <= found.certificate.seen_once < 1
 
 
 def test_import_loads_nothing_heavy():

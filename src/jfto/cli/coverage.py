@@ -18,33 +18,34 @@ if TYPE_CHECKING:
 @out_option("FILE", "not written; .csv or .geojson")
 @json_option
 def command(loaded: LoadedScenario, out: Path | None, as_json: bool) -> int:
-    """Place the cameras of SCENARIO and prove by ray casting what they see.
+    """Place the cameras of SCENARIO, or read them, and prove by ray casting what they see.
 
     \b
     Example:  jfto coverage config/demo.yaml --set coverage.gsd_cm=5 -o waypoints.csv
     """
     from jfto.analysis.export import check_waypoint_suffix, coverage_object, write_waypoints
     from jfto.console.stages import show_stages
-    from jfto.planning.survey import survey
+    from jfto.planning.survey import judged, survey
 
     if out is not None:
         check_waypoint_suffix(out)
     with show_stages(quiet=as_json) as progress:
-        found = survey(loaded, progress)
+        found = judged(survey(loaded, progress), loaded, progress)
+    assert found.coverage is not None
     if out is not None:
         write_waypoints(found, out)
     if as_json:
-        facts = {"waypoints": len(found.waypoints), "terrain": found.dem.description}
-        if found.coverage is not None:
-            facts = {**coverage_object(found.coverage), "terrain": found.dem.description}
+        facts = coverage_object(found.coverage)
+        facts |= {"terrain": found.dem.description, "not_used": list(found.notes)}
         print_json(facts)
         return 0
     click.echo(f"Terrain     {found.dem.description}")
-    if found.coverage is not None:
-        for note in found.coverage.notes:
-            if note.action != "added":
-                which = "" if note.waypoint_id is None else f" waypoint {note.waypoint_id}"
-                click.echo(f"  {note.action}{which}: {note.reason}")
+    if loaded.scenario.waypoints.source not in ("coverage", "file"):
+        click.echo(f"Seen        {100 * found.coverage.certificate.seen_once:.1f} % of the area")
+    for note in found.coverage.notes:
+        if note.action != "added":
+            which = "" if note.waypoint_id is None else f" waypoint {note.waypoint_id}"
+            click.echo(f"  {note.action}{which}: {note.reason}")
     if out is not None:
         click.echo(f"Waypoints   {out}")
     return 0

@@ -66,9 +66,14 @@ def import_(source: Path, target: Path | None) -> int:
         f"{source}: {len(mission.items)} items, {len(mission.fence)} fence, "
         f"{len(mission.rally)} rally points   {mission_hash(mission)[:12]}"
     )
+    for note in mission.notes:
+        click.echo(f"  {note}")
     if target is not None:
         for path in write_mission(target, mission):
             click.echo(f"{path} written")
+        if mission.parameters and target.suffix.lower() != ".plan":
+            names = ", ".join(name for name, _ in mission.parameters)
+            click.echo(f"  {target}: has no place for the autopilot's settings {names}")
     return 0
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,20 +16,25 @@ from jfto_planner.coverage import (
     Camera,
     Coverage,
     CoverageSettings,
+    judge_waypoints,
     plan_coverage,
     random_waypoints,
-    read_waypoints,
+    read_waypoint_set,
 )
 from jfto_world.terrain import Dem
 
 
 @dataclass(frozen=True)
 class Survey:
-    """Ground and waypoints; `coverage` is None where the waypoints were not computed."""
+    """Ground and waypoints; `coverage` is None where the waypoints were drawn at random.
+
+    `notes` say in a line each what a file of waypoints holds that is not used.
+    """
 
     dem: Dem
     waypoints: tuple[Waypoint, ...]
     coverage: Coverage | None
+    notes: tuple[str, ...] = ()
 
 
 def survey(loaded: LoadedScenario, progress: Progress = SILENT) -> Survey:
@@ -50,16 +55,33 @@ def survey(loaded: LoadedScenario, progress: Progress = SILENT) -> Survey:
         return found
     if wanted.source == "file":
         try:
-            waypoints = read_waypoints(loaded.resolve(wanted.file), dem)
+            given = read_waypoint_set(loaded.resolve(wanted.file), dem)
         except WaypointError as error:
             raise WaypointError(f"{loaded.path}: waypoints.file: {error}") from None
-        origin = f"read from {wanted.file}"
-    else:
-        rng = np.random.default_rng(wanted.seed)
-        waypoints = random_waypoints(wanted.source, wanted.count, dem, wanted.height_m, rng)
-        origin = f"{wanted.source} distribution, seed {wanted.seed}"
+        progress.begin("coverage", "casting rays")
+        found = judged(Survey(dem, given.waypoints, None, given.notes), loaded, progress)
+        assert found.coverage is not None
+        proof = f"read from {wanted.file}, {_proof(found.coverage)}"
+        progress.end("coverage", f"{len(found.waypoints)} waypoints", proof)
+        for note in given.notes:
+            progress.warn(note)
+        return found
+    rng = np.random.default_rng(wanted.seed)
+    waypoints = random_waypoints(wanted.source, wanted.count, dem, wanted.height_m, rng)
+    origin = f"{wanted.source} distribution, seed {wanted.seed}"
     progress.end("coverage", f"{len(waypoints)} waypoints", origin)
     return Survey(dem, waypoints, None)
+
+
+def judged(found: Survey, loaded: LoadedScenario, progress: Progress = SILENT) -> Survey:
+    """A survey with the certificate of what its photos show, whatever their origin."""
+    if found.coverage is not None:
+        return found
+    scenario = loaded.scenario
+    camera = make_camera(scenario.camera, scenario.coverage)
+    distance_m = make_settings(scenario.coverage).distance_for(camera)
+    coverage = judge_waypoints(found.waypoints, found.dem, camera, distance_m, progress.advance)
+    return replace(found, coverage=coverage)
 
 
 def make_camera(camera: CameraPart, coverage: CoveragePart) -> Camera:
@@ -90,6 +112,8 @@ def make_settings(coverage: CoveragePart) -> CoverageSettings:
 
 def _proof(coverage: Coverage) -> str:
     certificate = coverage.certificate
+    if certificate.seen_once == 0:
+        return "nothing of the area seen"
     spread = 100 * certificate.gsd_std_m / certificate.gsd_mean_m
     changed = sum(note.action != "added" for note in coverage.notes)
     return (

@@ -5,30 +5,35 @@ from __future__ import annotations
 from pathlib import Path
 
 from jfto_mavlink.errors import MissionFileError
-from jfto_mavlink.files.qgc_plan import read_qgc_plan, write_qgc_plan
-from jfto_mavlink.files.wpl import read_wpl, write_wpl
+from jfto_mavlink.files.mission_of_document import mission_of_document
+from jfto_mavlink.files.qgc_plan import write_qgc_plan
+from jfto_mavlink.files.wpl import write_wpl
 from jfto_mavlink.protocol.item import Mission
-
-WPL_SUFFIXES = (".waypoints", ".txt", ".wpl")
+from jfto_msgs_py.mission_file import PLAN_SUFFIX, WPL_SUFFIXES, MissionTextError, read_document
 
 
 def read_mission(path: Path) -> Mission:
-    """Read a `.plan` or `.waypoints` file; raises MissionFileError."""
-    if path.suffix == ".plan":
-        return read_qgc_plan(path)
-    _need_wpl(path)
-    return read_wpl(path)
+    """Read a `.plan` or `.waypoints` file; raises MissionFileError.
+
+    `notes` of the mission name what the file holds and the mission does not.
+    """
+    try:
+        return mission_of_document(read_document(path), str(path))
+    except MissionTextError as error:
+        raise MissionFileError(302, str(error)) from None
 
 
 def write_mission(path: Path, mission: Mission) -> tuple[Path, ...]:
-    """Write a `.plan` or `.waypoints` file; returns the files written."""
-    if path.suffix == ".plan":
-        write_qgc_plan(path, mission)
-        return (path,)
-    _need_wpl(path)
-    return write_wpl(path, mission)
-
-
-def _need_wpl(path: Path) -> None:
-    if path.suffix not in WPL_SUFFIXES:
-        raise MissionFileError(302, f"{path}: name must end in .plan or .waypoints.")
+    """Write a `.plan` or `.waypoints` file; returns the files written. Raises MissionFileError."""
+    suffix = path.suffix.lower()
+    try:
+        if suffix == PLAN_SUFFIX:
+            write_qgc_plan(path, mission)
+            return (path,)
+        if suffix in WPL_SUFFIXES:
+            return write_wpl(path, mission)
+    except OSError as error:
+        raise MissionFileError(
+            302, f"{path}: cannot be written: {error.strerror}. Name another place."
+        ) from None
+    raise MissionFileError(302, f"{path}: name must end in .plan or .waypoints. Name it so.")

@@ -23,6 +23,8 @@ _HOLDING = (
     mavlink.MAV_CMD_NAV_SPLINE_WAYPOINT,
     mavlink.MAV_CMD_NAV_LOITER_TIME,
 )
+# Above sea level, home or terrain, each as itself and as its _INT.
+_PLACED_FRAMES = (0, 5, 3, 6, 10, 11)
 
 
 @dataclass(frozen=True)
@@ -66,12 +68,20 @@ def check_limits(uav: str, items: Sequence[Item], limits: MissionLimits) -> None
 def _problems(item: Item, home: Item, limits: MissionLimits) -> list[str]:
     found = []
     if not all(math.isfinite(value) for value in (*item.params, item.z)):
-        return ["holds a number that is not finite"]
+        open_ = [f"parameter {k}" for k, v in enumerate(item.params, 1) if not math.isfinite(v)]
+        names = ", ".join(open_) or "its height"
+        reason = "is not a finite number, which the autopilot refuses: give it a value"
+        return [f"{names} of command {item.command} {reason}"]
     if item.command in _HOLDING and not 0 <= item.params[0] <= limits.hold_max_s:
         found.append(f"hold of {item.params[0]:g} s is outside 0…{limits.hold_max_s:g} s")
     if not item.is_nav or not item.has_position:
         return found
-    if item.frame in (FRAME_HOME, FRAME_TERRAIN) and not (
+    if item.frame not in _PLACED_FRAMES:
+        found.append(
+            f"frame {item.frame} of command {item.command} is none with latitude, longitude and "
+            "height: use 0 (sea level), 3 (home) or 10 (terrain)"
+        )
+    if item.frame in (FRAME_HOME, 6, FRAME_TERRAIN, 11) and not (
         limits.height_min_m <= item.z <= limits.height_max_m
     ):
         found.append(

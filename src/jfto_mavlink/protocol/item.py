@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from jfto_mavlink.dialect import Message, mavlink
 
@@ -49,7 +49,18 @@ WITHOUT_POSITION = frozenset(
         mavlink.MAV_CMD_JUMP_TAG,
         mavlink.MAV_CMD_DO_JUMP_TAG,
         mavlink.MAV_CMD_DO_GIMBAL_MANAGER_PITCHYAW,
+        mavlink.MAV_CMD_DO_SET_ROI_NONE,
+        mavlink.MAV_CMD_DO_SET_RELAY,
+        mavlink.MAV_CMD_DO_REPEAT_RELAY,
+        mavlink.MAV_CMD_DO_REPEAT_SERVO,
+        mavlink.MAV_CMD_DO_SET_CAM_TRIGG_INTERVAL,
+        mavlink.MAV_CMD_SET_CAMERA_MODE,
+        mavlink.MAV_CMD_SET_CAMERA_ZOOM,
+        mavlink.MAV_CMD_SET_CAMERA_FOCUS,
         mavlink.MAV_CMD_IMAGE_START_CAPTURE,
+        mavlink.MAV_CMD_IMAGE_STOP_CAPTURE,
+        mavlink.MAV_CMD_VIDEO_START_CAPTURE,
+        mavlink.MAV_CMD_VIDEO_STOP_CAPTURE,
         mavlink.MAV_CMD_NAV_ATTITUDE_TIME,
     )
 )
@@ -147,13 +158,15 @@ class Mission:
     """Everything one vehicle holds: items (item 0 is home), fence and rally points.
 
     An empty `items` means an empty mission; an empty `fence` or `rally` leaves what is on board.
-    `parameters` are settings of the autopilot that the mission relies on, such as fence heights.
+    `parameters` are settings of the autopilot that the mission relies on, such as fence heights;
+    `notes` name what the file it was read from holds besides.
     """
 
     items: tuple[Item, ...] = ()
     fence: tuple[Item, ...] = ()
     rally: tuple[Item, ...] = ()
     parameters: tuple[tuple[str, float], ...] = ()
+    notes: tuple[str, ...] = field(default=(), compare=False)
 
     def of_type(self, mission_type: int) -> tuple[Item, ...]:
         """The items of one mission type."""

@@ -52,8 +52,8 @@ class WaypointsPart:
     )
     file: str = param(
         "",
-        "For source file: a CSV, GeoJSON or QGroundControl .plan file, relative to the scenario "
-        "file.",
+        "For source file: a CSV, GeoJSON, QGroundControl .plan or Mission Planner .waypoints file, "
+        "relative to the scenario file.",
     )
     count: int = param(136, "How many are drawn (uniform, gaussian).", low=1, high=100_000)
     height_m: float = param(

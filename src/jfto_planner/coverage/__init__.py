@@ -2,10 +2,15 @@
 
 from jfto_planner.coverage.camera import Camera
 from jfto_planner.coverage.certificate import CoverageCertificate, certify_coverage
-from jfto_planner.coverage.plan_coverage import Coverage, CoverageNote, plan_coverage
+from jfto_planner.coverage.plan_coverage import (
+    Coverage,
+    CoverageNote,
+    judge_waypoints,
+    plan_coverage,
+)
 from jfto_planner.coverage.random_waypoints import random_waypoints
 from jfto_planner.coverage.settings import CoverageSettings
-from jfto_planner.coverage.waypoint_file import read_waypoints
+from jfto_planner.coverage.waypoint_file import WaypointSet, read_waypoint_set, read_waypoints
 
 __all__ = [
     "Camera",
@@ -13,8 +18,11 @@ __all__ = [
     "CoverageCertificate",
     "CoverageNote",
     "CoverageSettings",
+    "WaypointSet",
     "certify_coverage",
+    "judge_waypoints",
     "plan_coverage",
     "random_waypoints",
+    "read_waypoint_set",
     "read_waypoints",
 ]

@@ -6,18 +6,22 @@ import csv
 import io
 
 from jfto_msgs_py.errors import WaypointError
+from jfto_planner.coverage.other_names import ANGLES, angles, not_used
 from jfto_planner.coverage.raw_waypoint import RawWaypoint, from_geodetic, ground_height, number
 from jfto_world.terrain import Dem
 
 _PLACES = (("x_m", "y_m"), ("lat", "lon"))
 _HEIGHT = {"x_m": "z_m", "lat": "alt"}
 _ABOVE_GROUND = "agl_m"
-_KNOWN = ("x_m", "y_m", "z_m", "lat", "lon", "alt", "agl_m", "yaw_deg", "pitch_deg")
+_KNOWN = ("x_m", "y_m", "z_m", "lat", "lon", "alt", "agl_m", *ANGLES)
 _EXAMPLE = "x_m,y_m,z_m or lat,lon,alt, with agl_m in place of the height if it is above ground"
 
 
-def read_csv(text: str, source: str, dem: Dem) -> list[RawWaypoint]:
-    """Waypoints of a CSV with a header; further columns are ignored. Raises WaypointError."""
+def read_csv(text: str, source: str, dem: Dem, notes: list[str]) -> list[RawWaypoint]:
+    """Waypoints of a CSV with a header; `notes` gets a line on further columns.
+
+    Raises WaypointError.
+    """
     reader = csv.reader(io.StringIO(text), strict=True)
     try:
         rows = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
@@ -45,9 +49,8 @@ def read_csv(text: str, source: str, dem: Dem) -> list[RawWaypoint]:
             position = (first, second, ground_height(dem, first, second, place) + height)
         else:
             position = (first, second, height)
-        yaw_deg = number(cells.get("yaw_deg") or 0.0, "yaw_deg", place)
-        pitch_deg = number(cells.get("pitch_deg") or -90.0, "pitch_deg", place)
-        result.append(RawWaypoint(place, position, yaw_deg % 360.0, pitch_deg))
+        result.append(RawWaypoint(place, position, *angles(cells, place)))
+    notes.extend(not_used(source, header, (*place_columns, height_column, *ANGLES)))
     return result
 
 

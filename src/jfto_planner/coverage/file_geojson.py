@@ -3,21 +3,30 @@
 from __future__ import annotations
 
 import json
+import math
 from typing import Any
 
 from jfto_msgs_py.errors import WaypointError
+from jfto_planner.coverage.other_names import ANGLES, angles, not_used
 from jfto_planner.coverage.raw_waypoint import RawWaypoint, from_geodetic, number
 from jfto_world.terrain import Dem
 
+_SAID_NOWHERE = {"agl_m", "take_photo"}
+_AREAS = ("Polygon", "MultiPolygon")
+_METRES_PER_DEGREE = 111_195.0
 
-def read_geojson(text: str, source: str, dem: Dem) -> list[RawWaypoint]:
+
+def read_geojson(text: str, source: str, dem: Dem, notes: list[str]) -> list[RawWaypoint]:
     """Points of a FeatureCollection, Feature or geometry, [lon, lat, alt]. Raises WaypointError.
 
-    Properties `yaw_deg` and `pitch_deg` are used; `agl_m` takes the place of the altitude.
+    Properties `yaw_deg` and `pitch_deg` are used, also under the names of other programs; `agl_m`
+    takes the place of the altitude, and a false `take_photo` makes a point none. `notes` gets a
+    line on the others.
     """
-    document = load_json(text, source)
+    document = _load_json(text, source)
     if not isinstance(document, dict):
         raise WaypointError(f"{source}: is not a GeoJSON object. Export it as GeoJSON points.")
+    _check_crs(document, source)
     if document.get("type") == "FeatureCollection":
         features = document.get("features")
         if not isinstance(features, list):
@@ -25,64 +34,127 @@ def read_geojson(text: str, source: str, dem: Dem) -> list[RawWaypoint]:
         places = [(f"{source}, feature {index}", item) for index, item in enumerate(features)]
     else:
         places = [(source, document)]
-    result: list[RawWaypoint] = []
-    for place, feature in places:
-        result.extend(_feature(feature, place, dem))
+    reader = _Reader(dem)
+    result = [point for place, feature in places for point in reader.feature(feature, place)]
+    notes.extend(not_used(source, reader.names, ANGLES | _SAID_NOWHERE))
+    if reader.left_out:
+        notes.append(f"{source}: {reader.left_out} points with take_photo false are left out")
     return result
 
 
-def load_json(text: str, source: str) -> Any:
+def _load_json(text: str, source: str) -> Any:
     """Parsed JSON. Raises WaypointError with line and column."""
+
+    def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        if len(found := dict(pairs)) != len(pairs):
+            raise WaypointError(f"{source}: gives a key twice in one object. Export it again.")
+        return found
+
     try:
-        return json.loads(text)
+        return json.loads(text, object_pairs_hook=unique)
     except json.JSONDecodeError as error:
         raise WaypointError(
             f"{source}, line {error.lineno}, column {error.colno}: is not JSON ({error.msg}). "
             "The file is damaged or cut short; export it again."
         ) from error
-    except RecursionError as error:
-        raise WaypointError(f"{source}: is nested too deeply. Export it again.") from error
+    except (RecursionError, ValueError) as error:
+        reason = "nested too deeply" if isinstance(error, RecursionError) else str(error)[:80]
+        raise WaypointError(f"{source}: cannot be read: {reason}. Export it again.") from error
 
 
-def _feature(feature: Any, place: str, dem: Dem) -> list[RawWaypoint]:
-    if not isinstance(feature, dict):
-        raise WaypointError(f"{place}: is not a GeoJSON feature. Export it as points.")
-    is_feature = feature.get("type") == "Feature"
-    geometry = feature.get("geometry") if is_feature else feature
-    properties = (feature.get("properties") or {}) if is_feature else {}
-    if not isinstance(geometry, dict) or not isinstance(properties, dict):
-        raise WaypointError(f"{place}: has no geometry. Export it as points.")
-    kind, coordinates = geometry.get("type"), geometry.get("coordinates")
-    if kind == "Point":
-        return [_point(coordinates, properties, place, dem)]
-    if kind == "MultiPoint" and isinstance(coordinates, list):
-        return [
-            _point(item, properties, f"{place}, point {index}", dem)
-            for index, item in enumerate(coordinates)
-        ]
-    raise WaypointError(
-        f"{place}: is a {kind!r}, waypoints are of type Point. Export vertices as points."
-    )
-
-
-def _point(coordinates: Any, properties: dict[str, Any], place: str, dem: Dem) -> RawWaypoint:
-    if not isinstance(coordinates, list) or len(coordinates) < 2:
-        raise WaypointError(f"{place}: coordinates are {coordinates!r}, must be [lon, lat, alt].")
-    lon_deg = number(coordinates[0], "longitude", place)
-    lat_deg = number(coordinates[1], "latitude", place)
-    above_ground = "agl_m" in properties
-    if above_ground:
-        height_m = number(properties["agl_m"], "agl_m", place)
-    elif len(coordinates) > 2:
-        height_m = number(coordinates[2], "altitude", place)
-    else:
+def _check_crs(document: dict[str, Any], source: str) -> None:
+    """Old GeoJSON may name a coordinate system; only degrees of WGS-84 are read."""
+    crs = document.get("crs")
+    if crs is None:
+        return
+    properties = crs.get("properties") if isinstance(crs, dict) else None
+    name = str(properties.get("name")) if isinstance(properties, dict) else str(crs)
+    if not name.replace("::", ":").endswith(("CRS84", "CRS84h", "EPSG:4326", "EPSG:4979")):
         raise WaypointError(
-            f"{place}: has no altitude. Write [lon, lat, alt], or the property agl_m for a height "
-            "above ground."
+            f"{source}: its coordinates are in {name[:60]}, not in longitude and latitude of "
+            "WGS-84. Reproject it (ogr2ogr -t_srs EPSG:4326)."
         )
-    return RawWaypoint(
-        place,
-        from_geodetic(dem, lat_deg, lon_deg, height_m, above_ground, place),
-        number(properties.get("yaw_deg", 0.0), "yaw_deg", place) % 360.0,
-        number(properties.get("pitch_deg", -90.0), "pitch_deg", place),
+
+
+class _Reader:
+    """Reads features, and keeps the names of their properties."""
+
+    def __init__(self, dem: Dem) -> None:
+        self._dem = dem
+        self.names: set[str] = set()
+        self.left_out = 0
+
+    def feature(self, feature: Any, place: str) -> list[RawWaypoint]:
+        if not isinstance(feature, dict):
+            raise WaypointError(f"{place}: is not a GeoJSON feature. Export it as points.")
+        is_feature = feature.get("type") == "Feature"
+        geometry = feature.get("geometry") if is_feature else feature
+        properties = (feature.get("properties") or {}) if is_feature else {}
+        if not isinstance(geometry, dict) or not isinstance(properties, dict):
+            raise WaypointError(f"{place}: has no geometry. Export it as points.")
+        properties = {str(name).lower(): value for name, value in properties.items()}
+        kind, coordinates = geometry.get("type"), geometry.get("coordinates")
+        if kind == "Point":
+            points = [(place, coordinates)]
+        elif kind == "MultiPoint" and isinstance(coordinates, list):
+            points = [(f"{place}, point {k}", item) for k, item in enumerate(coordinates)]
+        elif kind in _AREAS:
+            raise WaypointError(_area_text(kind, coordinates, place))
+        else:
+            raise WaypointError(
+                f"{place}: is a {str(kind)[:40]!r}, waypoints are of type Point. Export vertices "
+                "as points."
+            )
+        self.names.update(properties)
+        if properties.get("take_photo") is False:
+            self.left_out += len(points)
+            return []
+        return [self._point(item, properties, where) for where, item in points]
+
+    def _point(self, coordinates: Any, properties: dict[str, Any], place: str) -> RawWaypoint:
+        if not isinstance(coordinates, list) or len(coordinates) < 2:
+            raise WaypointError(
+                f"{place}: coordinates are {str(coordinates)[:60]!r}, must be [lon, lat, alt]."
+            )
+        if len(coordinates) > 3:
+            self.names.add("a fourth coordinate")
+        lon_deg = number(coordinates[0], "longitude", place)
+        lat_deg = number(coordinates[1], "latitude", place)
+        above_ground = "agl_m" in properties
+        if above_ground:
+            height_m = number(properties["agl_m"], "agl_m", place)
+        elif len(coordinates) > 2:
+            height_m = number(coordinates[2], "altitude", place)
+        else:
+            raise WaypointError(
+                f"{place}: has no altitude. Write [lon, lat, alt], or the property agl_m for a "
+                "height above ground."
+            )
+        position = from_geodetic(self._dem, lat_deg, lon_deg, height_m, above_ground, place)
+        return RawWaypoint(place, position, *angles(properties, place))
+
+
+def _area_text(kind: str, coordinates: Any, place: str) -> str:
+    """That an area is no waypoint, and the rectangle with which it can be covered."""
+    text = f"{place}: is a {kind!r}, an area; waypoints are of type Point. "
+    corners = _corners(coordinates)
+    if not corners:
+        return f"{text}Export its photo positions as points."
+    lon, lat = (sorted(values) for values in zip(*corners, strict=True))
+    middle = ((lat[0] + lat[-1]) / 2, (lon[0] + lon[-1]) / 2)
+    north_m = (lat[-1] - lat[0]) * _METRES_PER_DEGREE
+    east_m = (lon[-1] - lon[0]) * _METRES_PER_DEGREE * math.cos(math.radians(middle[0]))
+    return (
+        f"{text}To photograph it, set waypoints.source to coverage and give the rectangle around "
+        f"it: terrain.center_deg [{middle[0]:.5f}, {middle[1]:.5f}], terrain.size_m "
+        f"[{math.ceil(east_m)}.0, {math.ceil(north_m)}.0]."
     )
+
+
+def _corners(coordinates: Any) -> list[tuple[float, float]]:
+    """Longitude and latitude of all positions in nested lists, none where one is no number."""
+    if not isinstance(coordinates, list) or not coordinates:
+        return []
+    if all(isinstance(value, int | float) and abs(value) <= 180 for value in coordinates[:2]):
+        return [(float(coordinates[0]), float(coordinates[1]))] if len(coordinates) > 1 else []
+    return [corner for part in coordinates for corner in _corners(part)]

@@ -100,6 +100,23 @@ def plan_coverage(
     return Coverage(tuple(waypoints), certificate, tuple(notes), distance_m, footprint)
 
 
+def judge_waypoints(
+    waypoints: tuple[Waypoint, ...],
+    dem: Dem,
+    camera: Camera,
+    distance_m: float,
+    progress: Callable[[float], None] | None = None,
+) -> Coverage:
+    """Certificate of waypoints of any origin, by the rule of planned ones.
+
+    `distance_m` is the wished distance to the surface: photos of a ground resolution coarser than
+    twice that of it do not count. `progress` is called with the share done.
+    """
+    gsd_max_m = _GSD_SLACK * camera.gsd_m(distance_m)
+    found = certify_coverage(waypoints, dem, camera, gsd_max_m=gsd_max_m, progress=progress)
+    return Coverage(waypoints, found, (), distance_m, camera.footprint_m(distance_m))
+
+
 def _rows_run_east(surface: CubicSurface, dem: Dem) -> bool:
     """Whether slopes face north or south rather than east or west.
 

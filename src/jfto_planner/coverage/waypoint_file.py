@@ -1,35 +1,32 @@
-"""Waypoints that a user brings: CSV, GeoJSON or a QGroundControl plan."""
+"""Waypoints that a user brings: CSV, GeoJSON, a QGroundControl plan or a `.waypoints` file."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from jfto_msgs_py.errors import WaypointError
+from jfto_msgs_py.errors import InputError, WaypointError
+from jfto_msgs_py.mission_file import PLAN_SUFFIX, WPL_SUFFIXES
 from jfto_msgs_py.records.plan import Waypoint
+from jfto_msgs_py.text_encoding import read_foreign_text
 from jfto_planner.coverage.check_waypoints import check_waypoints
 from jfto_planner.coverage.file_csv import read_csv
 from jfto_planner.coverage.file_geojson import read_geojson
-from jfto_planner.coverage.file_qgc import read_qgc_plan
+from jfto_planner.coverage.file_mission import read_mission_photos
 from jfto_planner.coverage.raw_waypoint import RawWaypoint
 from jfto_world.terrain import Dem
 
-_LARGEST_BYTES = 64 * 1024 * 1024
+_LARGEST_BYTES = 64 * 2**20
+_TEXTS = {".csv": ("CSV", read_csv), ".geojson": ("GeoJSON", read_geojson)}
+_TEXTS[".json"] = _TEXTS[".geojson"]
 
 
 @dataclass(frozen=True)
-class _Format:
-    name: str
-    read: Callable[[str, str, Dem], list[RawWaypoint]]
+class WaypointSet:
+    """Waypoints of a file, and `notes` on what it holds that is not used, a line each."""
 
-
-_FORMATS = {
-    ".csv": _Format("CSV", read_csv),
-    ".geojson": _Format("GeoJSON", read_geojson),
-    ".json": _Format("GeoJSON", read_geojson),
-    ".plan": _Format("QGroundControl plan", read_qgc_plan),
-}
+    waypoints: tuple[Waypoint, ...]
+    notes: tuple[str, ...]
 
 
 def read_waypoints(path: str | Path, dem: Dem) -> tuple[Waypoint, ...]:
@@ -39,32 +36,49 @@ def read_waypoints(path: str | Path, dem: Dem) -> tuple[Waypoint, ...]:
     (docs/explanation/coverage.md).
     Raises WaypointError, naming file, line or item, reason and cure.
     """
+    return read_waypoint_set(path, dem).waypoints
+
+
+def read_waypoint_set(path: str | Path, dem: Dem) -> WaypointSet:
+    """The same with notes on what the file holds besides. Raises WaypointError."""
     path = Path(path)
-    format_ = _FORMATS.get(path.suffix.lower())
-    if format_ is None:
+    suffix = path.suffix.lower()
+    notes: list[str] = []
+    if suffix in _TEXTS:
+        raw = _of_text(path, dem, notes)
+    elif suffix in (PLAN_SUFFIX, *WPL_SUFFIXES):
+        raw = read_mission_photos(path, dem, notes)
+    else:
         raise WaypointError(
-            f"{path} is of no known waypoint format. Use .csv, .geojson or QGroundControl's .plan."
+            f"{path} is of no known waypoint format. Use .csv, .geojson, QGroundControl's .plan "
+            "or Mission Planner's .waypoints."
         )
-    try:
-        if path.stat().st_size > _LARGEST_BYTES:
-            raise WaypointError(f"{path} is larger than 64 MiB. Split it into several missions.")
-        text = path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise WaypointError(
-            f"{path} is not UTF-8 text ({error.reason} at byte {error.start}). "
-            f"Save it as {format_.name} in UTF-8."
-        ) from error
-    except OSError as error:
-        raise WaypointError(
-            f"{path} cannot be read ({error.strerror}). Check its name and permissions."
-        ) from error
-    if not text.strip():
-        raise WaypointError(f"{path} is empty. Write one waypoint or more into it.")
-    raw = format_.read(text, str(path), dem)
     if not raw:
         raise WaypointError(f"{path} holds no waypoint. Write one or more into it.")
     check_waypoints(raw, dem, str(path))
-    return tuple(
+    waypoints = tuple(
         Waypoint(number, item.position_m, item.yaw_deg, item.pitch_deg)
         for number, item in enumerate(raw)
     )
+    return WaypointSet(waypoints, tuple(notes))
+
+
+def _of_text(path: Path, dem: Dem, notes: list[str]) -> list[RawWaypoint]:
+    name, read = _TEXTS[path.suffix.lower()]
+    try:
+        text, encoding = read_foreign_text(path, f"{name} file", _LARGEST_BYTES)
+    except InputError as error:
+        raise WaypointError(str(error)) from None
+    if not text.strip():
+        raise WaypointError(f"{path} is empty. Write one waypoint or more into it.")
+    if not encoding:
+        return read(text, str(path), dem, notes)
+    try:
+        found = read(text, str(path), dem, notes)
+    except WaypointError as error:
+        raise WaypointError(
+            f"{error} It is not in UTF-8 and was read as {encoding.upper()}; if that is wrong, "
+            "save it in UTF-8."
+        ) from None
+    notes.append(f"{path}: is not in UTF-8, read as {encoding.upper()}")
+    return found

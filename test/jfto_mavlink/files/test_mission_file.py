@@ -11,13 +11,16 @@ from hypothesis import strategies as st
 
 from jfto_mavlink.errors import MissionFileError
 from jfto_mavlink.files import read_mission, write_mission
-from jfto_mavlink.files.qgc_plan import parse_document, plan_document
-from jfto_mavlink.files.wpl import parse_wpl, wpl_text
+from jfto_mavlink.files.mission_of_document import mission_of_document
+from jfto_mavlink.files.qgc_plan import plan_document
+from jfto_mavlink.files.wpl import wpl_text
 from jfto_mavlink.mission.build import build_missions
 from jfto_mavlink.mission.fence import Circle, Fence, Polygon, RallyPoint, fence_items, rally_items
 from jfto_mavlink.mission.settings import MissionSettings
 from jfto_mavlink.mission.stored import diff_missions, mission_hash
 from jfto_mavlink.protocol.item import Item, Mission
+from jfto_msgs_py.mission_file.plan_json import plan_of_document
+from jfto_msgs_py.mission_file.wpl_text import parse_wpl_text
 
 FENCE = Fence(
     (
@@ -44,6 +47,14 @@ items = st.builds(
 missions = st.lists(items, min_size=1, max_size=12).map(
     lambda rest: (Item(16, 0, x=473_977_420, y=85_455_940, z=488.1), *rest)
 )
+
+
+def parse_wpl(text, name):
+    return mission_of_document(parse_wpl_text(text, name), name)
+
+
+def parse_document(document):
+    return mission_of_document(plan_of_document(document, "x"), "x")
 
 
 @settings(max_examples=80, deadline=None, derandomize=True)

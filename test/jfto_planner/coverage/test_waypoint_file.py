@@ -31,7 +31,7 @@ def point(lon, lat, *alt, **properties):
     return {"type": "Feature", "properties": properties, "geometry": geometry}
 
 
-def plan(*items, home=(LAT, LON, 600.0), file_type="Plan"):
+def plan(*items, home=(LAT, LON, 660.0), file_type="Plan"):
     mission = {"version": 2, "items": list(items), "plannedHomePosition": list(home)}
     return {"fileType": file_type, "version": 1, "mission": mission}
 
@@ -115,7 +115,7 @@ def test_qgc_plan_frames_gimbal_and_surveys(tmp_path, dem):
         item(command=22, frame=3, alt=20.0),
         item(alt=dem.origin.alt_m + 100),
         item(command=205, first=-30),
-        item(LAT + 0.001, alt=dem.origin.alt_m + 50 - 600.0 + 150, frame=3, yaw=45),
+        item(LAT + 0.001, alt=dem.origin.alt_m + 50 - 660.0 + 150, frame=3, yaw=45),
         item(command=206),
         survey,
         item(command=20, lat=0, lon=0, alt=0),
@@ -174,7 +174,7 @@ BAD = {
     "plan without mission": ("w.plan", {"fileType": "Plan"}, "not a QGroundControl"),
     "plan without items": ("w.plan", {"fileType": "Plan", "mission": {}}, "items is missing"),
     "plan with nothing to see": ("w.plan", plan(item(command=22)), "no waypoint"),
-    "loiter": ("w.plan", plan(item(), item(command=19)), "item 2: command 19"),
+    "loiter": ("w.plan", plan(item(), item(command=18)), "item 2: command 18"),
     "frame": ("w.plan", plan(item(frame=1)), "altitude frame 1"),
     "no home": ("w.plan", plan(item(frame=3), home=()), "plannedHomePosition"),
     "short params": (

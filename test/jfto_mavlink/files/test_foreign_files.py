@@ -1,0 +1,188 @@
+"""Mission files of other programs: read whole, or refused with file, item, reason and cure."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from jfto_mavlink.errors import MissionError, MissionFileError
+from jfto_mavlink.files import read_mission, write_mission
+from jfto_mavlink.mission.limits import MissionLimits, check_limits
+
+CASES = Path(__file__).parents[2] / "data/cases"
+
+
+def plan(tmp_path, change):
+    """The first case, changed."""
+    document = json.loads((CASES / "01-qgc-null-yaw.plan").read_text())
+    change(document)
+    path = tmp_path / "m.plan"
+    path.write_text(json.dumps(document))
+    return path
+
+
+def wpl(tmp_path, *rows, header="QGC WPL 110"):
+    path = tmp_path / "m.waypoints"
+    path.write_text("\n".join([header, *rows]) + "\n")
+    return path
+
+
+HOME = "0 1 0 16 0 0 0 0 46.2 7.6 1500 1"
+UP = "1 0 3 22 0 0 0 0 46.2 7.6 20 1"
+
+
+@pytest.mark.parametrize("command", [16, 21, 22, 82])
+def test_an_open_heading_is_zero(tmp_path, command):
+    """QGroundControl writes null, others nan, for a heading that is left to the vehicle."""
+
+    def change(document):
+        document["mission"]["items"][1]["command"] = command
+
+    mission = read_mission(plan(tmp_path, change))
+    assert [item.params[3] for item in mission.items] == [0.0] * 5
+    check_limits("m", mission.items, MissionLimits())
+    row = f"2 0 3 {command} 0 0 0 nan 46.2001 7.6001 60 1"
+    assert read_mission(wpl(tmp_path, HOME, UP, row)).items[2].params[3] == 0.0
+
+
+def test_reserved_parameters_of_the_camera_may_be_open(tmp_path):
+    """Hover-and-capture surveys leave four of seven open."""
+    shot = {"type": "SimpleItem", "command": 2000, "frame": 2, "autoContinue": True}
+    shot["params"] = [0, 0, 1, None, None, None, None]
+    path = plan(tmp_path, lambda d: d["mission"]["items"].insert(2, shot))
+    check_limits("m", read_mission(path).items, MissionLimits())
+
+
+def test_another_open_parameter_is_named(tmp_path):
+    """Where 0 would mean something else, the check says which parameter of which item."""
+
+    def change(document):
+        document["mission"]["items"][1]["params"][0] = None
+
+    with pytest.raises(MissionError, match=r"item 2: parameter 1 of command 16 is not a finite"):
+        check_limits("m", read_mission(plan(tmp_path, change)).items, MissionLimits())
+
+
+def test_rally_and_fence_among_waypoints_are_kept(tmp_path):
+    """A list of all kinds is sorted, and nothing of it is dropped."""
+    mission = read_mission(CASES / "06-rally-in-mission.waypoints")
+    assert (len(mission.items), len(mission.rally)) == (3, 1)
+    corners = [f"{k} 0 0 5001 3 0 0 0 46.{k} 7.6 0 1" for k in (2, 3, 4)]
+    mixed = read_mission(wpl(tmp_path, HOME, UP, *corners, "5 0 3 16 0 0 0 0 46.2 7.6 60 1"))
+    assert (len(mixed.items), len(mixed.fence)) == (3, 3)
+    with pytest.raises(MissionFileError, match="polygon is incomplete"):
+        read_mission(wpl(tmp_path, HOME, UP, *corners[:2]))
+
+
+def test_a_fence_beside_a_mission_holds_nothing_else(tmp_path):
+    """Waypoints in `x.fence.waypoints` are not slipped into the mission, nor dropped."""
+    path = wpl(tmp_path, HOME, UP)
+    (tmp_path / "m.fence.waypoints").write_text(path.read_text())
+    with pytest.raises(MissionFileError, match="its fence only"):
+        read_mission(path)
+
+
+def test_suffix_and_header_variants(tmp_path):
+    """Upper-case suffixes, and the header of files without home."""
+    for name in ("M.PLAN", "M.WAYPOINTS"):
+        source = CASES / ("01-qgc-null-yaw.plan" if "PLAN" in name else "08-latin1.waypoints")
+        (tmp_path / name).write_bytes(source.read_bytes())
+        assert len(read_mission(tmp_path / name).items) > 2
+        assert write_mission(tmp_path / name, read_mission(tmp_path / name))
+    rows = ["0 1 3 22 0 0 0 0 46.2 7.6 20 1", "1 0 3 16 0 0 0 0 46.2001 7.6 60 1"]
+    mission = read_mission(wpl(tmp_path, *rows, header="QGC WPL 120"))
+    assert [item.command for item in mission.items] == [16, 22, 16]
+    assert "names no home" in mission.notes[0]
+
+
+def test_what_is_not_taken_over_is_named(tmp_path):
+    """Unknown keys of every part in one line; the survey's own layout."""
+
+    def change(document):
+        document["weather"] = "fine"
+        document["mission"]["items"][0]["note"] = "x"
+        document["rallyPoints"]["colour"] = "red"
+
+    (note,) = read_mission(plan(tmp_path, change)).notes
+    assert note.endswith("not used: item.note, rallyPoints.colour, weather")
+    (note,) = read_mission(CASES / "02-survey-trigger.plan").notes
+    assert "survey" in note
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda d: d.update(version=2), "is of version 2"),
+        (lambda d: d["mission"].update(version=1), "mission: is of version 1"),
+        (lambda d: d["geoFence"].update(version=3), "geoFence: is of version 3"),
+        (lambda d: d["rallyPoints"].update(version=1), "rallyPoints: is of version 1"),
+        (lambda d: d["mission"]["items"][1].update(command=16.5), "item 2: command is 16.5"),
+        (lambda d: d["mission"]["items"][1].update(command="16"), "item 2: command is '16'"),
+        (lambda d: d["mission"]["items"][1].update(frame=None), "item 2: frame is None"),
+        (lambda d: d["mission"]["items"][1]["params"].append(0), "item 2: params"),
+        (lambda d: d["mission"]["items"][1].update(params=[True] * 7), r"params\[0\] is True"),
+        (lambda d: d["mission"].update(plannedHomePosition=[1, 2]), "plannedHomePosition"),
+        (lambda d: d["mission"].update(plannedHomePosition=[95, 2, 0]), "not on Earth"),
+        (lambda d: d["rallyPoints"].update(points=[[1, 2]]), "rally point 0"),
+        (lambda d: d["geoFence"].update(polygons=[{"polygon": []}]), "polygon 0: inclusion"),
+        (lambda d: d["geoFence"].update(circles=[7]), "circle 0"),
+        (
+            lambda d: d["mission"]["items"].append(
+                {"type": "ComplexItem", "complexItemType": "StructureScan"}
+            ),
+            "item 5: is a 'StructureScan' item, .*only QGroundControl can expand it",
+        ),
+    ],
+)
+def test_what_cannot_be_read_rightly_is_refused(tmp_path, change, words):
+    """Versions of parts, numbers that are none, shapes, items that hold no waypoints."""
+    path = plan(tmp_path, change)
+    with pytest.raises(MissionFileError, match=words) as caught:
+        read_mission(path)
+    assert str(path) in str(caught.value)
+
+
+def test_a_doubled_key_is_refused(tmp_path):
+    """JSON readers keep the last of two; here neither is dropped unsaid."""
+    path = tmp_path / "m.plan"
+    text = (CASES / "01-qgc-null-yaw.plan").read_text()
+    path.write_text(text.replace('"version":2', '"items":[],"version":2', 1))
+    path.write_text(text.replace('"mission":{', '"mission":{"items":[],', 1))
+    with pytest.raises(MissionFileError, match="'items' is given twice"):
+        read_mission(path)
+
+
+@pytest.mark.parametrize(
+    ("row", "words"),
+    [
+        ("2 0 3 16 0 0 0 0 46,2 7.6 60 1", "must be a number with a decimal point"),
+        ("2 0 3 16 0 0 0 0 46.2 7.6 1_0 1", "column 11"),
+        ("2 0 3 16 0 0 0 0 460.2 7.6 60 1", "cannot carry"),
+        ("2 0 3 115.5 0 0 0 0 0 0 0 1", "command is 115.5"),
+        ("2 0 3 203 0 0 0 0 0.5 0 0 1", "parameter 5 of command 203 is 0.5"),
+        ("2 0 3 16 1e39 0 0 0 46.2 7.6 60 1", "too large"),
+        ("3 0 3 16 0 0 0 0 46.2 7.6 60 1", "item number 3, expected 2"),
+    ],
+)
+def test_rows_that_cannot_be_carried_are_refused(tmp_path, row, words):
+    """Commas for points, numbers beyond an item's fields, a missing line."""
+    with pytest.raises(MissionFileError, match=words):
+        read_mission(wpl(tmp_path, HOME, UP, row))
+
+
+def test_a_first_row_that_is_no_home_is_refused(tmp_path):
+    """It would be taken for home, and the take-off would be gone."""
+    with pytest.raises(MissionFileError, match="first row of QGC WPL 110 is home"):
+        read_mission(wpl(tmp_path, "0 1 3 22 0 0 0 0 46.2 7.6 20 1"))
+
+
+def test_a_rally_point_in_a_frame_that_a_plan_lacks(tmp_path):
+    """Its height would change its meaning: written as .waypoints, refused as .plan."""
+    path = wpl(tmp_path, HOME, UP, "2 0 0 5100 0 0 0 0 46.2 7.6 1550 1")
+    mission = read_mission(path)
+    with pytest.raises(MissionFileError, match="heights above home"):
+        write_mission(tmp_path / "n.plan", mission)
+    write_mission(tmp_path / "n.waypoints", mission)
+    assert read_mission(tmp_path / "n.waypoints") == mission
