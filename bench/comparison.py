@@ -25,12 +25,10 @@ from jfto_topology.algorithms.mtp import mtp
 from jfto_topology.metrics import (
     average_hops,
     connectivity_rate,
-    degree_statistics,
     energy_used,
-    total_throughput,
-    traverses_all,
+    slot_throughput,
 )
-from jfto_world.radio import make_channel, pairwise_distances
+from jfto_world.radio import degrees, make_channel, pairwise_distances
 from random_fleet import wandering_fleet
 
 UAVS, SLOTS, SLOT_S, LOST_AT = 8, 150, 3.0, 45
@@ -47,17 +45,17 @@ def compare(seed: int, rows: dict[str, list]) -> None:
     gain = CHANNEL.gain(pairwise_distances(positions))
 
     def note(name, adjacency, power_w, on_air):
-        degree = degree_statistics(adjacency, K_MIN, DELTA)
+        degree = degrees(adjacency)
         rows[name].append(
             (
-                total_throughput(adjacency, gain, power_w, RADIO) / SLOTS / 1e6,
+                slot_throughput(adjacency, gain, power_w, RADIO)[1:].mean() / 1e6,
                 100 * connectivity_rate(adjacency, LOST_AT, on_air),
                 average_hops(adjacency),
-                degree.mean,
-                100 * degree.below,
-                100 * degree.above,
+                degree.mean(),
+                100 * (degree < K_MIN).mean(),
+                100 * (degree > K_MIN + DELTA).mean(),
                 energy_used(power_w, SLOT_S).mean(),
-                traverses_all(on_air),
+                on_air.all(),
             )
         )
 
@@ -78,7 +76,7 @@ def compare(seed: int, rows: dict[str, list]) -> None:
         ("CPAPO", cpapo(*air, energy, SLOT_S)),
     ):
         note(name, *fields(played))
-        if traverses_all(played.on_air):
+        if played.on_air.all():
             low_w, upper_w = kept_intervals(played.adjacency, *air)
             note_exact(f"{name} + power", played.adjacency, low_w, upper_w)
 

@@ -1,18 +1,30 @@
-"""The energy of a running mission: what is left to each radio, and the powers that draw on it."""
+"""The energy of a running mission: what is left to each radio, and the powers that draw on it.
+
+It is kept on disk, so that a restart gives nothing back.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated
 
 from jfto_msgs_py.core import SET_BACK_NS
 from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.files import FileKind, read_record, write_record
 from jfto_msgs_py.records.fields import Range
 
 _FOREVER_S = 1e6
 # Below that share of its budget a UAV has none left: times are whole nanoseconds.
 _NOTHING = 1e-7
 NotNegative = Annotated[float, Range(0.0)]
+
+_FILE = FileKind(
+    "energy account",
+    "Name another file, or delete it to start with full budgets.",
+    format="jfto-energy",
+    version=2,
+)
 
 
 @dataclass(frozen=True)
@@ -124,3 +136,22 @@ class EnergyAccount:
         duration_s = (until_ns - from_ns) / 1e9
         for uav, power_w in self.power_w.items():
             self.left_j[uav] = max(self.left_j[uav] - power_w * duration_s, 0.0)
+
+
+def open_account(budget_j: dict[str, float], file: Path | None, now_ns: int) -> EnergyAccount:
+    """The account in a file, or a new one where no file is named or there is none yet.
+
+    `now_ns` is the clock's time, 0 if it has not begun. Raises InputError where the file is no
+    account, or one of other budgets or another fleet.
+    """
+    if file is None or not file.exists():
+        return EnergyAccount(budget_j)
+    state = read_record(file, EnergyState, _FILE)
+    if state.budget_j != budget_j:
+        raise _FILE.fault(f"{file}: was kept for other budgets or another fleet.")
+    return EnergyAccount.resumed(state, now_ns)
+
+
+def write_account(state: EnergyState, file: Path) -> None:
+    """Write an account; raises InputError where that cannot be done."""
+    write_record(state, file, _FILE)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,12 +24,6 @@ _HOME_M = 15.0
 _HOME_HEIGHT_M = 5.0
 
 
-@dataclass
-class _Episode:
-    since_ns: int
-    came_ns: int | None
-
-
 class FlightWatch:
     """Evaluates the rules on where the fleet will be, `slots_ahead` slots ahead.
 
@@ -46,7 +38,8 @@ class FlightWatch:
         self._d_min_m = d_min_m
         self._slots_ahead = slots_ahead
         self._episodes: Episodes[Key] = Episodes(_CLEAR_AFTER)
-        self._known: dict[Key, _Episode] = {}
+        # When it came to each danger that is on; None while it is ahead.
+        self._came_ns: dict[Key, int | None] = {}
         self.dangers: dict[Key, str] = {}
 
     def look(
@@ -137,17 +130,16 @@ class FlightWatch:
         for key, (lead_s, text) in texts.items():
             self.dangers[key] = text
             if key in began:
-                self._known[key] = _Episode(now_ns, None)
+                self._came_ns[key] = None
                 events.append(Event(WARN if lead_s > 0 else ERROR, *key, text))
-            episode = self._known[key]
-            if lead_s <= 0 and episode.came_ns is None:
-                episode.came_ns = now_ns
+            if lead_s <= 0 and self._came_ns[key] is None:
+                self._came_ns[key] = now_ns
         for key in over:
-            episode = self._known.pop(key)
+            came_ns = self._came_ns.pop(key)
             del self.dangers[key]
             end = "it did not come to it"
-            if episode.came_ns is not None:
-                end = f"it was so for {(now_ns - episode.came_ns) / 1e9:.0f} s"
+            if came_ns is not None:
+                end = f"it was so for {(now_ns - came_ns) / 1e9:.0f} s"
             events.append(Event(INFO, *key, f"{_OVER[key[0]].format(key[1])}; {end}."))
         return events
 

@@ -7,8 +7,7 @@ import json
 import pytest
 
 from jfto_msgs_py.errors import InputError
-from jfto_power.energy_account import EnergyAccount
-from jfto_power.energy_file import open_account, write_account
+from jfto_power.energy_account import EnergyAccount, open_account, write_account
 
 BUDGET_J = {"uav1": 10.0, "uav2": 20.0}
 NOW_NS = 1_763_776_800 * 10**9

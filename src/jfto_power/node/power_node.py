@@ -22,7 +22,7 @@ from jfto_msgs_py.ros.network import (
 from jfto_msgs_py.scenario import Scenario
 from jfto_msgs_py.units import w_to_dbm
 from jfto_power.core import PowerCore, PowerOutputs, energy_budgets, power_core
-from jfto_power.energy_file import open_account, write_account
+from jfto_power.energy_account import open_account, write_account
 from jfto_power.node.statuses import about_fleet, about_uav
 from jfto_power.options import PowerOptions, served_ids
 from jfto_world.motion.fleet_tracking import AHEAD_S, AHEAD_SIMULATED_S

@@ -85,7 +85,7 @@ def _dispensable(links: Flags, member: Flags, a: int, seen: Flags, stack: Ints) 
     whole = True
     for b in range(uavs):
         if member[b] and links[a, b]:
-            _mark_joined(links, member, b, seen, stack)
+            mark_joined(links, member, b, seen, stack)
             break
     for b in range(uavs):
         if member[b] and links[a, b] and not seen[b]:
@@ -95,7 +95,7 @@ def _dispensable(links: Flags, member: Flags, a: int, seen: Flags, stack: Ints) 
 
 
 @inner
-def _mark_joined(links: Flags, member: Flags, origin: int, seen: Flags, stack: Ints) -> None:
+def mark_joined(links: Flags, member: Flags, origin: int, seen: Flags, stack: Ints) -> None:
     """Set `seen` (A,) to the members that `origin` reaches over members only."""
     uavs = links.shape[0]
     for b in range(uavs):

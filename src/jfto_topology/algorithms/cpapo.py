@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jfto_msgs_py.types import Array, Flags, Ints
-from jfto_topology.algorithms.backbone import backbones
+from jfto_topology.algorithms.backbone import backbones, mark_joined
 from jfto_topology.algorithms.powered import PoweredTopology, played_out
 from jfto_topology.algorithms.required_power import required_powers
 from jfto_world.compiled import inner, kernel
@@ -106,7 +106,8 @@ def _step_down(
         return False
     links[a, far] = links[far, a] = False
     if member[a] and member[far]:
-        fine = _joined(links, member, a, far, seen, stack)
+        mark_joined(links, member, a, seen, stack)
+        fine = seen[far]
     else:
         fine = _served(links, member, a) and _served(links, member, far)
     if not fine:
@@ -121,24 +122,3 @@ def _served(links: Flags, member: Flags, a: int) -> bool:
     for b in range(links.shape[0]):
         served |= links[a, b] and member[b]
     return served
-
-
-@inner
-def _joined(links: Flags, member: Flags, a: int, b: int, seen: Flags, stack: Ints) -> bool:
-    """Whether a backbone member reaches another over members only."""
-    uavs = links.shape[0]
-    for c in range(uavs):
-        seen[c] = c == a
-    stack[0] = a
-    depth = 1
-    while depth > 0:
-        depth -= 1
-        c = stack[depth]
-        for d in range(uavs):
-            if links[c, d] and member[d] and not seen[d]:
-                if d == b:
-                    return True
-                seen[d] = True
-                stack[depth] = d
-                depth += 1
-    return False

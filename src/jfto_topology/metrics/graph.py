@@ -1,31 +1,12 @@
-"""Who hears whom: components, also when one UAV drops out, neighbours and hops."""
+"""Who hears whom: components, also when one UAV drops out, and hops."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.types import Array, Flags, Ints
+from jfto_msgs_py.types import Flags, Ints
 from jfto_world.compiled import kernel
-from jfto_world.radio import degrees
-
-
-@dataclass(frozen=True)
-class DegreeStatistics:
-    """Neighbours over all UAVs and slots.
-
-    `histogram[k]` is the share with k neighbours (A,); `below` and `above` the shares outside
-    K_min and K_min + δ.
-    """
-
-    least: int
-    mean: float
-    most: int
-    below: float
-    above: float
-    histogram: Array
 
 
 def connectivity_rate(adjacency: Flags, first_slot: int, on_air: Flags | None = None) -> float:
@@ -108,20 +89,6 @@ def _label(adjacency: Flags, present: Flags, label: Ints, stack: Ints) -> None:
                         stack[depth] = b
                         depth += 1
             count += 1
-
-
-def degree_statistics(adjacency: Flags, k_min: int, delta: int) -> DegreeStatistics:
-    """Degree statistics of a topology (M, A, A), which must hold at least one slot and UAV."""
-    degree = degrees(adjacency)
-    counts = np.bincount(degree.ravel(), minlength=adjacency.shape[1])
-    return DegreeStatistics(
-        least=int(degree.min()),
-        mean=float(degree.mean()),
-        most=int(degree.max()),
-        below=float((degree < k_min).mean()),
-        above=float((degree > k_min + delta).mean()),
-        histogram=counts / degree.size,
-    )
 
 
 def average_hops(adjacency: Flags) -> float:

@@ -14,14 +14,10 @@ from jfto_topology.metrics import (
     average_hops,
     components,
     connectivity_rate,
-    degree_statistics,
     energy_used,
-    first_unpaid_slot,
     hop_counts,
     largest_component,
     slot_throughput,
-    total_throughput,
-    traverses_all,
 )
 from jfto_world.radio import noise_w
 
@@ -55,8 +51,6 @@ def test_throughput_of_a_pair_is_the_mean_of_both_directions():
     adjacency = graph(2, (0, 1), slots=3)
     per_slot = slot_throughput(adjacency, gain, power, RADIO)
     assert per_slot / RADIO.bandwidth_hz == pytest.approx([1.5, 1.5, 1.0])
-    total = total_throughput(adjacency, gain, power, RADIO)
-    assert total / RADIO.bandwidth_hz == pytest.approx(2.5)
 
 
 def test_pairs_without_a_link_carry_nothing():
@@ -129,27 +123,7 @@ def test_hop_counts_agree_with_networkx(case):
                 assert hops[n, a, b] == lengths[a].get(b, -1)
 
 
-def test_degree_statistics_by_hand():
-    """A path and a split fleet of 4 with K_min 2 and δ 0; a full one exceeds it."""
-    statistics = degree_statistics(np.concatenate([PATH, SPLIT]), k_min=2, delta=0)
-    assert (statistics.least, statistics.most) == (1, 2)
-    assert statistics.mean == pytest.approx(10 / 8)
-    assert statistics.below == pytest.approx(6 / 8)
-    assert statistics.above == 0
-    assert statistics.histogram.tolist() == pytest.approx([0, 6 / 8, 2 / 8, 0])
-    full = graph(4, (0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
-    assert degree_statistics(full, k_min=1, delta=1).above == 1
-
-
 def test_energy_leaves_slot_zero_out():
     """Joules are those of slots 1..N."""
     power = np.array([[9.0, 9.0], [1.0, 0.0], [2.0, 0.5]])
     assert energy_used(power, 2.0).tolist() == [6.0, 1.0]
-
-
-def test_all_waypoints_are_traversed_only_if_all_stay_on_the_air():
-    """One depleted UAV is a No, and the first slot it cannot pay for is told."""
-    on_air = np.array([[True, True], [True, True], [True, False]])
-    assert not traverses_all(on_air)
-    assert traverses_all(on_air[:2])
-    assert first_unpaid_slot(on_air).tolist() == [3, 2]
