@@ -50,8 +50,6 @@ from jfto_msgs_py.ros.stamps import encode_time
 from jfto_msgs_py.ros.vehicle import decode_trajectory, encode_pose
 from jfto_msgs_py.scenario import Scenario
 
-# How often the source of a streamed trajectory is looked for.
-CONFIRM_S = 0.2
 INCOMING_KEPT = 5000
 
 
@@ -84,8 +82,6 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
         if not options.plan_file:
             raise InputError("plan_file is empty. Name the plan that the vehicles fly.")
         real_roster(options, scenario.fleet.ids)
-        if options.guided and options.speedup != 1.0:
-            raise InputError("speedup must be 1 with guided: trajectories are in real time.")
         if options.speedup != 1.0 and not options.vehicle_stamps:
             raise InputError(
                 f"speedup is {options.speedup}; real vehicles keep time. Set vehicle_stamps "
@@ -115,8 +111,6 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
         for name in topics.MISSION_SERVICES:
             verb = name.rpartition("/")[2]
             self.create_service(Trigger, name, partial(self._on_order, verb), callback_group=group)
-        if options.guided:
-            self.create_timer(CONFIRM_S, self._confirm)
         self._alarm = self.create_guard_condition(self._on_alarm)
         self._time = TickedClock(self.get_clock(), options.speedup)
 
@@ -248,14 +242,6 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
             self._trouble[uav] = str(error)
             self.get_logger().error(str(error))
 
-    def _confirm(self) -> None:
-        """Tell the streams that somebody still offers the trajectories."""
-        if self._operation is None or not self.is_active:
-            return
-        for uav in self._trajectories:
-            if self.count_publishers(topics.trajectory(uav)):
-                self._operation.orders.confirm(uav)
-
     async def _on_order(self, verb: str, request: Any, response: Any) -> Any:
         """Carry out an order in a thread; answers with what was done, or the numbered error."""
         del request
@@ -294,7 +280,8 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
         del now_ns
         operation = self._operation
         note = "not active" if self._opening is None else self._opening.note
-        node = node_status(note, self._options.guided, self.intake.facts("/"))
+        guided = operation is not None and operation.orders.guided
+        node = node_status(note, guided, self.intake.facts("/"))
         if operation is None:
             return [node, *(Status(uav, node.level, note) for uav in self._scenario.fleet.ids)]
         found = [node]

@@ -5,6 +5,7 @@ Knows no ROS: a node hands in its time and what it wants to be told.
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -12,7 +13,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from jfto_mavlink.errors import LinkError, RosterError
+from jfto_mavlink.errors import LinkError, MavlinkError, RosterError
 from jfto_mavlink.fleet.fly import Fleet, Reporter
 from jfto_mavlink.fleet.link import FleetLink
 from jfto_mavlink.fleet.orders import FleetOrders, OrderSettings
@@ -39,7 +40,7 @@ from jfto_mavlink.protocol.setup import rates_for
 from jfto_mavlink.protocol.timesync import PacedClock
 from jfto_msgs_py.errors import PlanError
 from jfto_msgs_py.plan_file import read_plan
-from jfto_msgs_py.records.event import Event
+from jfto_msgs_py.records.event import ERROR, Event
 from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.records.vehicle import VehiclePose
 from jfto_world.motion.arducopter.takeoff import SPOOL_UP_S
@@ -120,9 +121,12 @@ def open_operation(
     fleet = Fleet(link, {mission.uav: mission for mission in built}, node.report)
     chosen = _order_settings(plan, options, node)
     orders = FleetOrders(fleet, chosen)
-    if options.guided:
+    # A plan that was certified for curves is never flown as missions.
+    if plan.trajectories:
         guided = GuidedSettings(take_off_m=settings.takeoff_height_m)
-        orders = GuidedOrders(fleet, chosen, plan, node.now_ns, guided)
+        state_file = Path(options.state_file) if options.state_file else None
+        tell = node.incoming
+        orders = GuidedOrders(fleet, chosen, plan, node.now_ns, guided, state_file, tell)
     return Operation(plan, link, orders, options, node)
 
 
@@ -192,15 +196,33 @@ class Operation:
         """Listen to the vehicles, and find out what they are doing."""
         self.flight.begin()
         missions: dict[str, VehicleMission] = self.orders.missions
+        streamed = self.orders.guided
         for uav, mission in missions.items():
             job = partial(
                 listen,
                 mission=mission,
                 sink=self._node.incoming,
-                under_way=self.flight.under_way,
+                under_way=self._streamed_since if streamed else self.flight.under_way,
+                elapsed_s=self._streamed_s if streamed else None,
             )
             self.link.start(uav, job)
+        if streamed:
+            threading.Thread(target=self._pick_up, name="pick up", daemon=True).start()
         recognise_all(self.link, missions, self._node.incoming)
+
+    def _pick_up(self) -> None:
+        try:
+            self.orders.pick_up()
+        except MavlinkError as error:
+            self._node.incoming(Event(ERROR, "guided", "", str(error)))
+
+    def _streamed_s(self) -> float | None:
+        progressed = self.orders.progressed()
+        return None if progressed is None else progressed.elapsed_s
+
+    def _streamed_since(self, context: Context) -> float | None:
+        progressed = self.orders.progressed()
+        return None if progressed is None else self.own_s(context, progressed.zero_ns)
 
     def take(self, one: LinkState | Recognised) -> None:
         """Take in what a vehicle does, or was found doing at the beginning."""

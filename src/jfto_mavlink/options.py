@@ -30,9 +30,6 @@ class BridgeOptions:
         10.0, "Positions and attitudes per second and UAV.", unit="Hz", low=0.5, high=50.0
     )
     allow_arming: bool = param(False, "Let the start service arm vehicles.")
-    guided: bool = param(
-        False, "Stream the published trajectories instead of starting uploaded missions."
-    )
     abort_by_landing: bool = param(
         False, "The abort service lets them land where they are instead of returning home."
     )

@@ -182,8 +182,6 @@ class Conductor:
                 f"{self._up()} did not land within {self.settings.flight_s:.0f} s: home was "
                 "ordered."
             )
-        elif not self.settings.ends_itself and self._fleet_s() > self.settings.plan_s:
-            self._turn_home("")
 
     def _home(self) -> None:
         fleet = self._fleet
@@ -238,7 +236,7 @@ class Conductor:
         if self.stage != Stage.START or fleet.all_down:
             self._tell(f"The bridge died during {verb}; it is back, and {verb} is repeated.", WARN)
             self._order(verb)
-        elif all(uav.armed and uav.mode == "AUTO" for uav in fleet.uavs.values()):
+        elif all(uav.on_plan for uav in fleet.uavs.values()):
             self._tell("The bridge died during the start; it is back, and all fly.", WARN)
             self._enter(Stage.FLY)
         else:

@@ -13,8 +13,8 @@ from jfto_msgs_py.ros.diagnostics import ERROR, OK, Diagnostics, Status
 class VehicleStatus:
     """One vehicle: whether its link is up, how long it has been silent (s of its clock), …
 
-    … whether it is armed, in which mode, how many of its waypoints it has reached, and how late the
-    last of them, where that is known.
+    … whether it is armed, in which mode, how many of its waypoints it has reached, how late the
+    last of them, where that is known, and whether a trajectory is streamed to it.
     """
 
     linked: bool = False
@@ -23,11 +23,17 @@ class VehicleStatus:
     mode: str = ""
     reached: int = 0
     late_s: float | None = None
+    streamed: bool = False
 
     @property
     def down(self) -> bool:
         """Whether it is known to be disarmed."""
         return self.linked and not self.armed
+
+    @property
+    def on_plan(self) -> bool:
+        """Whether it flies what was planned: its mission, or a trajectory."""
+        return self.armed and (self.mode == "AUTO" or self.streamed)
 
 
 @dataclass(frozen=True)
@@ -109,6 +115,7 @@ def _vehicle(status: Status | None, listened_s: float) -> VehicleStatus:
         mode=facts.get("mode", ""),
         reached=int(_number(facts.get("waypoints_reached", "")) or 0),
         late_s=_number(facts.get("late_s", "")),
+        streamed=facts.get("stream") == "streaming",
     )
 
 

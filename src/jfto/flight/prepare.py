@@ -12,8 +12,6 @@ from jfto.planning.scenario_file import SCENARIO_NAME, LoadedScenario
 from jfto.supervision.graph import graph_commands
 from jfto.supervision.graph_table import GraphOptions, Vehicles
 
-_GUIDED = "bezier"
-
 
 def prepare(
     loaded: LoadedScenario,
@@ -26,11 +24,10 @@ def prepare(
 ) -> FlightJob:
     """The processes of the graph with all their parameters, and how the flight is conducted."""
     directory = run.plan_path.parent
-    guided = run.plan.time_model == _GUIDED
     fleet = vehicles.given.get("simulated_fleet")
     speedup = 1.0 if fleet is None else fleet["speedup"]
     assert isinstance(speedup, float)
-    bridge: dict[str, object] = {"guided": guided}
+    bridge: dict[str, object] = {}
     patience = Patience()
     if gates is not None:
         bridge |= gates.parameters(fleet)
@@ -53,7 +50,6 @@ def prepare(
         until=until,
         ask=ask,
         speedup=speedup,
-        ends_itself=not guided,
         patience=patience,
     )
     title = f"{loaded.path.stem}, {len(run.plan.uavs)} UAVs"

@@ -32,16 +32,14 @@ class ConductSettings:
     """`until` is UPLOAD, ARM or LANDED; `ask` lets the operator decide before anything arms.
 
     A flight may take `flight_s` and the way home `home_s` of the vehicles' time, and as this
-    computer counts `wall_factor` times that over `speedup`. Without `ends_itself` the fleet is
-    called home once its waypoints are done or the plan's `plan_s` are over. A vehicle silent for
-    `lost_s` of its time is given up; its own failsafes act.
+    computer counts `wall_factor` times that over `speedup`. A vehicle silent for `lost_s` of its
+    time is given up; its own failsafes act.
     """
 
     plan_s: float
     until: str = LANDED
     ask: bool = False
     speedup: float = 1.0
-    ends_itself: bool = True
     home_s: float = 600.0
     lost_s: float = 120.0
     wall_factor: float = 4.0

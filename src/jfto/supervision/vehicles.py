@@ -35,7 +35,7 @@ def choose_vehicles(
         parse_vehicles(texts, uavs)
         if key_file is not None:
             raise RosterError(201, "simulated vehicles start without a key; leave --key out.")
-        return _simulated(speedup, options)
+        return _simulated(speedup)
     if speedup != 1.0:
         raise RosterError(201, "--speedup is for simulated vehicles (sim); real ones keep time.")
     bridge: dict[str, Any]
@@ -54,15 +54,14 @@ def choose_vehicles(
     if arm:
         bridge["allow_arming"] = True
     parse_vehicles(bridge.get("roster", ()), uavs, bridge.get("endpoints", ()))
-    return Vehicles(simulated=False, given={"mavlink_bridge": bridge}, suited=_lift_off(options))
+    return Vehicles(simulated=False, given={"mavlink_bridge": bridge}, suited=_AWAITED)
 
 
-def _lift_off(options: Mapping[str, object]) -> Parameters:
-    """Missions begin when the fleet does; streamed trajectories are flown by the clock."""
-    return {} if options.get("guided") else {"planner_node": {"await_lift_off": True}}
+# A flight begins when the fleet does.
+_AWAITED: Parameters = {"planner_node": {"await_lift_off": True}}
 
 
-def _simulated(speedup: float, options: Mapping[str, object]) -> Vehicles:
+def _simulated(speedup: float) -> Vehicles:
     """A process of simulated vehicles and the bridge to it, on a port that is free now."""
     port, control = free_udp_port(), free_udp_port()
     return Vehicles(
@@ -83,7 +82,7 @@ def _simulated(speedup: float, options: Mapping[str, object]) -> Vehicles:
             },
         },
         suited={
-            **_lift_off(options),
+            **_AWAITED,
             # What one core carries of the fleet that is sped up.
             "mavlink_bridge": {"telemetry_rate_hz": min(10.0, max(4.0, 20.0 / speedup))},
             # A quarter of a second until the next position, and what their time may be ahead of it.

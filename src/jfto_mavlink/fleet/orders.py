@@ -21,6 +21,7 @@ from jfto_mavlink.fleet.fly import (
     start_fleet,
 )
 from jfto_mavlink.flight.control import StartLine, disarm, land, pause, resume, return_home
+from jfto_mavlink.flight.follow import Progressed
 from jfto_mavlink.flight.preflight import GateSettings
 from jfto_mavlink.mission.deliver import verify
 from jfto_mavlink.protocol.exchange import Context, Exchange, wait_until
@@ -48,6 +49,8 @@ class OrderSettings:
 
 class FleetOrders:
     """Flies missions of a plan in AUTO; trajectories are offered to it and let be."""
+
+    guided = False
 
     def __init__(self, fleet: Fleet, settings: OrderSettings) -> None:
         self.fleet, self.settings = fleet, settings
@@ -98,14 +101,25 @@ class FleetOrders:
 
     def abort(self) -> str:
         """Bring all vehicles home, or down; whatever else is being done is called off."""
+        if self.settings.land_on_abort:
+            return self.land()
+        return self._down(return_home, "returning")
+
+    def land(self) -> str:
+        """Let all vehicles land where they are; whatever else is being done is called off."""
+        return self._down(land, "landing")
+
+    def called_off(self) -> None:
+        """Whatever else is being done ends."""
         self._aborted = True
-        hurried, line = self._starting, self._line
+        line = self._line
         if line is not None:
             line.failed = line.failed or "abort"
             line.reason = line.reason or "the operator aborted"
-        how, doing = (
-            (land, "landing") if self.settings.land_on_abort else (return_home, "returning")
-        )
+
+    def _down(self, how: Callable[[Context], Exchange[None]], doing: str) -> str:
+        hurried = self._starting
+        self.called_off()
 
         def job(context: Context) -> Exchange[str]:
             if hurried and not in_flight(context.vehicle):
@@ -121,11 +135,15 @@ class FleetOrders:
     def close(self) -> None:
         """Nothing to end: missions are flown by the vehicles themselves."""
 
+    def pick_up(self) -> None:
+        """Nothing to go on with in mid-flight: missions are flown by the vehicles themselves."""
+
     def take(self, uav: str, trajectory: TimedTrajectory) -> None:
         """A vehicle's trajectory has come; may raise MissionError."""
 
-    def confirm(self, uav: str) -> None:
-        """The source of a vehicle's trajectory is still there."""
+    def progressed(self) -> Progressed | None:
+        """Progress of what is streamed; None where nothing is."""
+        return None
 
     def streaming(self, uav: str) -> str:  # noqa: ARG002
         """What the stream of a vehicle does, in words; "" where nothing is streamed."""

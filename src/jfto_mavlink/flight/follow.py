@@ -30,6 +30,17 @@ class Follower:
         self._next = passed
         self._last_place: Place | None = None
 
+    def along(self, elapsed_s: float, now_s: float) -> None:
+        """The vehicle is so far along its curve; `now_s` is on its own clock."""
+        while self._next < len(self.passages):
+            passage = self.passages[self._next]
+            if elapsed_s < passage.planned_s + PASSED_S:
+                return
+            late_s = now_s - self.lift_off_s - elapsed_s
+            reached_s = passage.planned_s + late_s if passage.closest_m <= PASSED_M else None
+            self.passages[self._next] = replace(passage, reached_s=reached_s)
+            self._next += 1
+
     def take(self, message: Message, now_s: float) -> None:
         """Update the passages; `now_s` is on the vehicle's own clock."""
         kind = message.get_type()
@@ -73,6 +84,19 @@ UnderWay = Callable[[Context], float | None]
 
 
 @dataclass(frozen=True)
+class Progressed:
+    """A fleet on streamed curves: time zero (ns, the graph's clock), and how far along it is, s."""
+
+    zero_ns: int
+    elapsed_s: float
+
+
+# After a waypoint's time on a curve it is looked how near it was passed.
+PASSED_S = 1.0
+PASSED_M = 5.0
+
+
+@dataclass(frozen=True)
 class Moment:
     """An instant on the bridge's clock, and in UTC as the vehicle has it, if it has."""
 
@@ -84,16 +108,22 @@ class FlightTiming:
     """Fed with all that a vehicle says. The last flight's passages stay until the next begins.
 
     A mission's plan counts from `SPOOL_UP_S` after the vehicle goes into AUTO, which its heartbeat
-    shows at once; a guided flight from when the vehicle is seen off the ground. `under_way` tells
+    shows at once. `under_way` tells
     time zero on the vehicle's own clock, None while it cannot, of a flight that began before this
     program; left out, a flight is taken to be as far as its plan has the last waypoint passed.
+    With `elapsed_s` the vehicle is streamed to: that tells how far along its curve it is, None
+    before, and `under_way` when that began.
     """
 
     def __init__(
-        self, context: Context, mission: VehicleMission, under_way: UnderWay | None = None
+        self,
+        context: Context,
+        mission: VehicleMission,
+        under_way: UnderWay | None = None,
+        elapsed_s: Callable[[], float | None] | None = None,
     ) -> None:
         self._context, self._mission = context, mission
-        self._under_way = under_way
+        self._under_way, self._elapsed_s = under_way, elapsed_s
         self._follower: Follower | None = None
         self._flying = self._seen_down = False
         self._auto_s: float | None = None
@@ -105,6 +135,9 @@ class FlightTiming:
         if not vehicle.armed:
             self._flying, self._auto_s = False, None
             self._seen_down = vehicle.heartbeat_s is not None
+        elif self._elapsed_s is not None:
+            self._take_streamed(message, own_s, self._elapsed_s())
+            return
         elif not self._flying:
             if vehicle.mode == MODES["AUTO"] and self._auto_s is None:
                 self._auto_s = own_s
@@ -112,6 +145,22 @@ class FlightTiming:
                 self._begin(own_s)
         if self._flying and self._follower is not None:
             self._follower.take(message, own_s)
+
+    def _take_streamed(self, message: Message, own_s: float, elapsed_s: float | None) -> None:
+        """On a curve its progress counts, not the items of the mission that takes it home."""
+        if not self._flying and elapsed_s is not None and self._under_way is not None:
+            begun_s = self._under_way(self._context)
+            if begun_s is None or self._context.vehicle.landed_state not in AIRBORNE:
+                return
+            due = [each for each in self._mission.arrival_s if each < elapsed_s]
+            self._follower = Follower(self._mission, begun_s, len(due))
+            self._flying = True
+        if not self._flying or self._follower is None:
+            return
+        if message.get_type() == "GLOBAL_POSITION_INT":
+            self._follower.take(message, own_s)
+            if elapsed_s is not None:
+                self._follower.along(elapsed_s, own_s)
 
     def _begin(self, own_s: float) -> None:
         """The vehicle is in the air for the first time."""
@@ -121,8 +170,6 @@ class FlightTiming:
             return
         if vehicle.mode == MODES["AUTO"] and self._auto_s is not None:
             self._follower = Follower(self._mission, self._auto_s + SPOOL_UP_S)
-        elif vehicle.mode == MODES["GUIDED"]:
-            self._follower = Follower(self._mission, own_s)
         else:
             return
         self._flying = True

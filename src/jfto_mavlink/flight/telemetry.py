@@ -125,13 +125,15 @@ def listen(
     mission: VehicleMission,
     sink: Callable[[Sample], None],
     under_way: UnderWay | None = None,
+    elapsed_s: Callable[[], float | None] | None = None,
 ) -> Exchange[None]:
     """Hand all that a vehicle reports to `sink`, for ever. Times its route from its lift-off.
 
     `under_way` tells when a flight began that an earlier run of this program started; a vehicle
-    that is in the air when it is first seen is on that flight.
+    that is in the air when it is first seen is on that flight. `elapsed_s` is as
+    `FlightTiming` has it.
     """
-    timing = FlightTiming(context, mission, under_way)
+    timing = FlightTiming(context, mission, under_way, elapsed_s)
     next_s = context.clock()
     while True:
         now_s = context.clock()

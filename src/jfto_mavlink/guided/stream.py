@@ -1,21 +1,94 @@
-"""GUIDED flight of one vehicle: from the pad to a hover, a stream of targets, a deliberate end."""
+"""GUIDED flight of one vehicle: from the pad to a hover, a stream of targets, and home."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
 
 from jfto_mavlink.dialect import MODES, mavlink
-from jfto_mavlink.errors import FlightError
-from jfto_mavlink.flight.control import AIRBORNE, LIFT_OFF_WAIT_S, StartLine, line_up
-from jfto_mavlink.guided.scheduler import Scheduler
+from jfto_mavlink.errors import CommandError, FlightError, MavlinkError
+from jfto_mavlink.flight.control import (
+    AIRBORNE,
+    LIFT_OFF_WAIT_S,
+    StartLine,
+    line_up,
+    return_home,
+)
+from jfto_mavlink.guided.curve_clock import Progress
+from jfto_mavlink.guided.scheduler import GuidedSettings, Scheduler
 from jfto_mavlink.guided.target import EkfFrame, HeadingPlan, MapFrame, stop_message, target_message
-from jfto_mavlink.protocol.command import command_seen, request_message, set_mode
+from jfto_mavlink.mission.build import VehicleMission
+from jfto_mavlink.protocol.command import command_seen, request_message, send_command, set_mode
 from jfto_mavlink.protocol.exchange import Context, Exchange, Report, Send, wait_for, wait_until
+from jfto_msgs_py.records.event import ERROR, Event
+from jfto_msgs_py.records.vehicle import TimedTrajectory
 
 # Zero velocities sent before BRAKE is asked for: one may be lost.
 STOPS = 3
 STOP_EVERY_S = 0.05
 FRAME_WAIT_S = 3.0
+
+
+class Ending(Enum):
+    """How a stream ended: at the end of the curves, taken over, ordered to hold, or unable."""
+
+    OVER = "over"
+    LEFT = "left"
+    HELD = "held"
+    UNABLE = "unable"
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How and why a stream has ended."""
+
+    how: Ending
+    why: str
+
+
+@dataclass(frozen=True)
+class Streamed:
+    """What is streamed to one vehicle: its curve as it is now, at the progress of all.
+
+    `progress` is called with the time on the link's clock and may replace the curve.
+    """
+
+    mission: VehicleMission
+    map: MapFrame
+    heading: HeadingPlan | None
+    curve: Callable[[], TimedTrajectory]
+    progress: Callable[[float], Progress]
+    end_s: Callable[[], float]
+    tell: Callable[[Event], None]
+    settings: GuidedSettings
+
+
+def fly(context: Context, streamed: Streamed, scheduler: Scheduler) -> Exchange[Ended]:
+    """Stream to a vehicle until there is a reason not to, and do what is to be done then.
+
+    At the end of the curves it goes home as missions do. One that cannot go on holds and goes
+    home after a while, and everybody is told.
+    """
+    try:
+        frame = yield from ekf_frame(context, streamed.map)
+        ended = yield from stream(context, streamed, scheduler, frame)
+    except MavlinkError as error:
+        yield from stop(context)
+        ended = Ended(Ending.UNABLE, str(error))
+    yield Report(f"streaming ended: {ended.why}")
+    if ended.how == Ending.OVER:
+        yield from _go_home(context, streamed.mission)
+    elif ended.how == Ending.UNABLE:
+        text = (
+            f"{context.uav} cannot be flown on along its trajectory: {ended.why}. It holds, and "
+            f"is called home in {streamed.settings.hold_s:g} s."
+        )
+        streamed.tell(Event(ERROR, "guided", context.uav, " ".join(text.split())))
+        yield from wait_until(context, context.clock() + streamed.settings.hold_s)
+        if context.vehicle.mode in (MODES["BRAKE"], MODES["GUIDED"]):
+            yield from return_home(context)
+    return ended
 
 
 def ekf_frame(context: Context, map_frame: MapFrame) -> Exchange[EkfFrame]:
@@ -39,39 +112,36 @@ def ekf_frame(context: Context, map_frame: MapFrame) -> Exchange[EkfFrame]:
 
 
 def stream(
-    context: Context,
-    scheduler: Scheduler,
-    frame: EkfFrame,
-    heading: HeadingPlan | None,
-    start_ns: Callable[[], int],
-    now_ns: Callable[[], int],
-    rate_hz: float = 10.0,
-) -> Exchange[str]:
-    """Send targets until there is a reason to stop, then stop the vehicle; returns the reason.
+    context: Context, streamed: Streamed, scheduler: Scheduler, frame: EkfFrame
+) -> Exchange[Ended]:
+    """Send targets until there is a reason to stop, then stop the vehicle.
 
-    A vehicle that is taken out of GUIDED is its pilot's: it is left alone. `start_ns` is lift-off
-    of the trajectory, `now_ns` the time that it is in.
+    A vehicle that is taken out of GUIDED is its pilot's: it is left alone.
     """
     vehicle, next_s = context.vehicle, context.clock()
     while True:
         now_s = context.clock()
         if vehicle.mode != MODES["GUIDED"] or not vehicle.armed:
             state = vehicle.mode_name if vehicle.armed else "disarmed"
-            yield Report(f"is {state}, streaming ended")
-            return f"it is {state}"
+            return Ended(Ending.LEFT, f"it is {state}")
+        if scheduler.left:
+            return Ended(Ending.LEFT, scheduler.left)
+        if scheduler.halted:
+            yield from stop(context)
+            return Ended(Ending.HELD, scheduler.halted)
+        progress = streamed.progress(now_s)
+        if progress.elapsed_s > streamed.end_s():
+            return Ended(Ending.OVER, "its trajectory has ended")
         here_m = frame.map.position_m(vehicle.lat_deg, vehicle.lon_deg, vehicle.height_m)
         age_s = now_s - vehicle.position_s if vehicle.position_s is not None else float("inf")
-        at_ns = now_ns()
-        step = scheduler.step(now_s, at_ns, here_m, age_s)
+        step = scheduler.step(now_s, streamed.curve(), progress, here_m, age_s)
         if step.stop:
-            yield Report(f"streaming ends: {step.stop}")
-            if not step.leave:
-                yield from stop(context)
-            return step.stop
+            yield from stop(context)
+            return Ended(Ending.UNABLE, step.stop)
         if step.target is not None:
-            facing = None if heading is None else heading.at((at_ns - start_ns()) / 1e9)
+            facing = None if streamed.heading is None else streamed.heading.at(progress.elapsed_s)
             yield Send(target_message(context, frame, step.target, facing))
-        next_s = max(next_s + 1 / rate_hz, now_s)
+        next_s = max(next_s + 1 / streamed.settings.rate_hz, now_s)
         yield from wait_until(context, next_s)
 
 
@@ -83,6 +153,30 @@ def stop(context: Context) -> Exchange[None]:
     if context.vehicle.mode == MODES["GUIDED"]:
         yield from set_mode(context, MODES["BRAKE"])
         yield Report("holds")
+
+
+def _go_home(context: Context, mission: VehicleMission) -> Exchange[None]:
+    """The way home of the mission on board; RTL where the vehicle does not take it."""
+    first = homeward_item(mission)
+    try:
+        yield from send_command(context, mavlink.MAV_CMD_DO_SET_MISSION_CURRENT, (float(first),))
+        yield from set_mode(context, MODES["AUTO"])
+    except CommandError as error:
+        yield Report(f"{error} It returns by RTL.")
+        yield from return_home(context)
+        return
+    yield Report("goes home as its mission ends")
+
+
+def homeward_item(mission: VehicleMission) -> int:
+    """The item of a mission with which the way home begins, after all waiting for others."""
+    items = mission.mission.items
+    # Behind the last waypoint, or the lift-off of a UAV that has none.
+    behind = max(mission.item_map.items, default=1) + 1
+    for seq in range(behind, len(items)):
+        if items[seq].is_nav and items[seq].command != mavlink.MAV_CMD_NAV_LOITER_TIME:
+            return seq
+    return len(items) - 1
 
 
 # The last metres of a climb are slow.

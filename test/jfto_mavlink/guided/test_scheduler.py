@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from jfto_mavlink.errors import MissionError
+from jfto_mavlink.guided.curve_clock import RAMP_S, CurveClock, Progress
 from jfto_mavlink.guided.reference import (
     JOIN_MPS,
     JOIN_MPS2,
@@ -43,19 +44,21 @@ def straight(*points, seconds: float = 20.0) -> TimedTrajectory:
     return TimedTrajectory(START_NS, offsets, position, velocity, np.zeros_like(position))
 
 
-def ahead(trajectory, scheduler=None, floor_m: float = 0.0):
-    """A scheduler with a trajectory that was confirmed at 0 s."""
-    scheduler = scheduler or Scheduler(GuidedSettings(), floor_m)
-    scheduler.take(trajectory, 0.0)
-    return scheduler
+def ahead(floor_m: float = 0.0) -> Scheduler:
+    """A scheduler of a vehicle that hovers."""
+    return Scheduler(GuidedSettings(), floor_m)
 
 
-def run(scheduler, times, start=(0.0, 0.0, 0.0), *, follows=True):
+def along(seconds: float) -> Progress:
+    """Full speed, begun at 0 s."""
+    return Progress(max(seconds, 0.0), begun=seconds >= 0)
+
+
+def run(scheduler, trajectory, times, start=(0.0, 0.0, 0.0), *, follows=True, progress=along):
     """Steps at the given times; the vehicle is where it was told to be, or stays at its start."""
     here, steps = np.array(start), []
     for seconds in times:
-        scheduler.confirm(seconds)
-        steps.append(scheduler.step(seconds, int(at(seconds)[0]), here, 0.1))
+        steps.append(scheduler.step(seconds, trajectory, progress(seconds), here, 0.1))
         if follows and steps[-1].target is not None:
             here = steps[-1].target.position_m
     return steps
@@ -117,62 +120,72 @@ def test_joining_is_smooth_and_gentle():
 
 def test_nothing_is_sent_before_lift_off():
     """The vehicle hovers by itself."""
-    steps = run(ahead(straight((0, 0, 0), (50, 0, 0))), [-2.0, -1.0, -0.1])
+    steps = run(ahead(), straight((0, 0, 0), (50, 0, 0)), [-2.0, -1.0, -0.1])
     assert all(step.target is None and not step.stop for step in steps)
 
 
 def test_beside_the_pad_it_does_not_sink_below_the_hover():
     """The trajectory begins on the ground; the vehicle waits above until it has left the pad."""
-    scheduler = ahead(straight((0, 0, 0), (60, 0, 0), seconds=30.0), floor_m=10.0)
+    scheduler, curve = ahead(floor_m=10.0), straight((0, 0, 0), (60, 0, 0), seconds=30.0)
     times, start = np.arange(0.0, 30.0, 0.1), np.array([0.0, 0.0, 10.0])
-    targets = np.array([s.target.position_m for s in run(scheduler, times, start)])
+    targets = np.array([s.target.position_m for s in run(scheduler, curve, times, start)])
     beside = targets[:, 0] < 19.9
     assert (targets[beside, 2] > 9.99).all()
     assert np.abs(np.diff(targets[:, 2])).max() < 0.1
     assert targets[-1, 2] < 9.0
 
 
-@pytest.mark.parametrize(
-    ("now_s", "confirmed_s", "position_age_s", "words"),
-    [
-        (5.1, 3.9, 0.1, "silent for 1.2 s"),
-        (5.1, 5.0, 2.0, "no position for 2.0 s"),
-        (6.5, 6.4, 0.1, "stalled for 1.5 s"),
-        (20.1, 20.1, 0.1, "has ended"),
-    ],
-)
-def test_a_stream_that_would_break_is_stopped(now_s, confirmed_s, position_age_s, words):
-    """Each reason by itself, well before 3 s without a target."""
-    scheduler = ahead(straight((0, 0, 0), (50, 0, 0)))
-    run(scheduler, np.arange(0.0, 5.05, 0.1))
-    scheduler.confirm(confirmed_s)
-    step = scheduler.step(now_s, int(at(now_s)[0]), np.array([12.5, 0, 0]), position_age_s)
-    assert step.target is None
-    assert words in step.stop
+def test_without_positions_it_goes_on_by_its_own_clock():
+    """Nothing was heard for a minute: targets go on along the curve, and nobody is astray."""
+    scheduler, curve = ahead(), straight((0, 0, 0), (50, 0, 0))
+    run(scheduler, curve, np.arange(0.0, 5.05, 0.1))
+    step = scheduler.step(15.0, curve, along(15.0), np.zeros(3), 60.0)
+    assert not step.stop
+    assert step.target.position_m[0] == pytest.approx(37.5, abs=0.01)
 
 
-def test_the_end_is_a_stop():
-    """After the last sample."""
-    steps = run(ahead(straight((0, 0, 0), (50, 0, 0))), np.arange(0.0, 20.3, 0.1))
-    assert steps[-1].stop == "its trajectory has ended"
-    assert not any(step.stop for step in steps[:-3])
+def test_a_fleet_that_stood_goes_on_from_there_slowly_and_is_later_for_good():
+    """The clock's speed grows from 0 to 1 without a jump; lateness is what was lost."""
+    clock = CurveClock(100.0)
+    assert not clock.at(99.0).begun
+    assert clock.at(112.0).elapsed_s == 12.0
+    clock.go_on(120.0, 13.0)
+    times = np.arange(120.0, 120.0 + RAMP_S + 1.0, 0.01)
+    found = [clock.at(now_s) for now_s in times]
+    elapsed, rate = np.array([p.elapsed_s for p in found]), np.array([p.rate for p in found])
+    assert elapsed[0] == 13.0
+    assert rate[0] == 0.0
+    assert rate[-1] == 1.0
+    assert np.allclose(np.gradient(elapsed, times)[1:-1], rate[1:-1], atol=1e-3)
+    assert np.allclose(np.gradient(rate, times)[1:-1], [p.growth for p in found[1:-1]], atol=0.02)
+    assert clock.late_s(130.0) == pytest.approx(20.0 - 13.0 + RAMP_S / 2)
+
+
+def test_going_on_begins_where_the_vehicle_stands():
+    """It was swept 8 m on before it stood: the first target is there, at rest."""
+    scheduler, curve = ahead(), straight((0, 0, 0), (100, 0, 0))
+    run(scheduler, curve, np.arange(0.0, 8.0, 0.1))
+    clock = CurveClock(0.0)
+    clock.go_on(12.0, 8.0)
+    here = np.array([40.0, 8.0, 0.0])
+    step = scheduler.step(12.0, curve, clock.at(12.0), here, 0.1)
+    assert np.allclose(step.target.position_m, here)
+    assert np.allclose(step.target.velocity_mps, 0.0)
 
 
 def test_a_vehicle_that_does_not_follow_is_stopped():
     """It stays where it is while the target goes on."""
-    steps = run(ahead(straight((0, 0, 0), (200, 0, 0))), np.arange(0.0, 4.0, 0.1), follows=False)
+    steps = run(ahead(), straight((0, 0, 0), (200, 0, 0)), np.arange(0.0, 4.0, 0.1), follows=False)
     assert "from where it should be" in steps[-1].stop
 
 
 def test_a_new_trajectory_is_joined_without_a_jump():
     """Five metres to the side, in mid-flight."""
-    scheduler = ahead(straight((0, 0, 0), (100, 0, 0)))
-    before = run(scheduler, np.arange(0.0, 8.0, 0.1))[-1].target.position_m
-    scheduler.take(straight((0, 5, 0), (100, 5, 0)), 8.0)
-    here = before
+    scheduler = ahead()
+    before = run(scheduler, straight((0, 0, 0), (100, 0, 0)), np.arange(0.0, 8.0, 0.1))
+    here, newer = before[-1].target.position_m, straight((0, 5, 0), (100, 5, 0))
     for seconds in np.arange(8.0, 19.0, 0.1):
-        scheduler.confirm(seconds)
-        target = scheduler.step(seconds, int(at(seconds)[0]), here, 0.1).target.position_m
+        target = scheduler.step(seconds, newer, along(seconds), here, 0.1).target.position_m
         assert np.linalg.norm(target - here) < 0.75
         here = target
     assert here[1] == pytest.approx(5.0, abs=0.01)

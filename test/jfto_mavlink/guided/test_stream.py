@@ -7,9 +7,10 @@ import pytest
 
 from jfto_mavlink.dialect import MODES
 from jfto_mavlink.flight.control import StartLine
+from jfto_mavlink.guided.curve_clock import CurveClock
 from jfto_mavlink.guided.reference import GuidedLimits, check_flyable, reference
 from jfto_mavlink.guided.scheduler import GuidedSettings, Scheduler
-from jfto_mavlink.guided.stream import ekf_frame, stream, take_off
+from jfto_mavlink.guided.stream import Ending, Streamed, ekf_frame, stream, take_off
 from jfto_mavlink.guided.target import HeadingPlan, MapFrame
 from jfto_mavlink.protocol.command import set_mode
 from jfto_msgs_py.records.plan import Origin
@@ -60,6 +61,7 @@ class Flight:
         )
         self.sim = Vehicle(config)
         self.said: list[str] = []
+        self.told: list = []
         self.runner = Rehearsal({"uav1": self.sim}, step_s=0.01, **extra)
         self.runner.advance(45.0)
         self.map = MapFrame(self.frame, float(alt))
@@ -78,24 +80,25 @@ class Flight:
 
     def begin(self, trajectory: TimedTrajectory, heading: HeadingPlan | None = None):
         """Stream a trajectory."""
-        self.scheduler.take(trajectory, self.runner.now_s)
+        clock = CurveClock(self.lift_off_s)
+        streamed = Streamed(
+            None, self.map, heading, lambda: trajectory, clock.at,
+            lambda: trajectory.offset_ns[-1] / 1e9, self.told.append, GuidedSettings(),
+        )  # fmt: skip
         return self.runner.start(
             "uav1",
-            lambda context: stream(
-                context, self.scheduler, self.ekf, heading, lambda: START_NS, self.now_ns
-            ),
+            lambda context: stream(context, streamed, self.scheduler, self.ekf),
             self._report,
         )
 
     def now_ns(self) -> int:
         return START_NS + round((self.runner.now_s - self.lift_off_s) * 1e9)
 
-    def confirm_for(self, duration_s: float) -> np.ndarray:
-        """Let time pass with a living source; returns errors to the curve, m, 10 times a second."""
+    def fly_for(self, duration_s: float) -> np.ndarray:
+        """Let time pass; returns errors to the curve, m, 10 times a second."""
         errors = []
         until_s = self.runner.now_s + duration_s
         while self.runner.now_s < until_s:
-            self.scheduler.confirm(self.runner.now_s)
             self.runner.advance(0.1)
             wanted = reference(curve(), np.array([self.now_ns()])).position_m[0]
             errors.append(np.linalg.norm(self.where_m() - wanted))
@@ -114,18 +117,18 @@ class Flight:
 
 
 def test_a_vehicle_tracks_a_smooth_curve_within_a_metre():
-    """Also where the plan's origin and datum are not the autopilot's; then it is stopped."""
+    """Also where the plan's origin and datum are not the autopilot's; at the end it hovers there."""
     flight = Flight()
     check_flyable("uav1", curve(), GuidedLimits())
     activity = flight.begin(curve())
-    flight.confirm_for(2.0)
-    errors = flight.confirm_for(49.5)
+    flight.fly_for(2.0)
+    errors = flight.fly_for(49.5)
     print(f"rms {np.sqrt(np.mean(errors**2)):.2f} m, max {errors.max():.2f} m")
     assert np.sqrt(np.mean(errors**2)) < 1.0
-    flight.confirm_for(2.0)
+    flight.fly_for(2.0)
     assert flight.runner.until(lambda: activity.done, 10.0)
-    assert activity.result == "its trajectory has ended"
-    assert flight.runner.vehicle("uav1").mode == MODES["BRAKE"]
+    assert activity.result.how == Ending.OVER
+    assert flight.runner.vehicle("uav1").mode == MODES["GUIDED"]
     end_m = curve().position_m[-1]
     assert np.linalg.norm(flight.where_m() - end_m) < 1.0
 
@@ -134,22 +137,21 @@ def test_a_lossy_link_does_not_matter():
     """10 % of the targets lost."""
     flight = Flight(to_vehicle=LinkFaults(loss=0.1), from_vehicle=LinkFaults(loss=0.1), seed=4)
     flight.begin(curve())
-    flight.confirm_for(2.0)
-    errors = flight.confirm_for(30.0)
+    flight.fly_for(2.0)
+    errors = flight.fly_for(30.0)
     assert np.sqrt(np.mean(errors**2)) < 1.0
 
 
-def test_a_silent_source_stops_the_vehicle_on_purpose():
+def test_a_stream_that_is_halted_stops_the_vehicle_on_purpose():
     """At rest in BRAKE before GUID_TIMEOUT would have let it go on for 3 s."""
     flight = Flight()
     activity = flight.begin(curve())
-    flight.confirm_for(25.0)
+    flight.fly_for(25.0)
     assert flight.speed_mps() > 5.0
-    lost_s = flight.runner.now_s
-    assert flight.runner.until(lambda: flight.sim.mode.number == MODES["BRAKE"], 2.9)
-    assert flight.runner.now_s - lost_s < 1.5
+    flight.scheduler.halt("paused by the operator")
+    assert flight.runner.until(lambda: flight.sim.mode.number == MODES["BRAKE"], 1.5)
     assert flight.runner.until(lambda: activity.done, 10.0)
-    assert "silent" in activity.result
+    assert activity.result.how == Ending.HELD
     assert flight.runner.until(lambda: flight.speed_mps() < 0.1, 10.0)
 
 
@@ -157,10 +159,11 @@ def test_a_pilot_who_takes_over_is_left_alone():
     """Out of GUIDED no target and no BRAKE is sent."""
     flight = Flight()
     activity = flight.begin(curve())
-    flight.confirm_for(10.0)
+    flight.fly_for(10.0)
     flight.do(lambda context: set_mode(context, MODES["LOITER"]))
     assert flight.runner.until(lambda: activity.done, 3.0)
-    assert "LOITER" in activity.result
+    assert "LOITER" in activity.result.why
+    assert activity.result.how == Ending.LEFT
     flight.runner.advance(5.0)
     assert flight.sim.mode.number == MODES["LOITER"]
 
@@ -177,9 +180,10 @@ def test_a_trajectory_far_away_is_not_joined():
         far.acceleration_mps2,
     )
     activity = flight.begin(moved)
-    flight.confirm_for(4.0)
+    flight.fly_for(4.0)
     assert flight.runner.until(lambda: activity.done, 5.0)
-    assert activity.result == "its trajectory is 60 m away"
+    assert activity.result.why == "its trajectory is 60 m away"
+    assert activity.result.how == Ending.UNABLE
     assert np.linalg.norm(flight.where_m() - PAD_M - [0.0, 0.0, HOVER_M]) < 1.0
 
 
@@ -187,7 +191,7 @@ def test_the_vehicle_looks_where_the_photos_want_it():
     """Yaw and yaw rate are streamed with the targets."""
     flight = Flight()
     flight.begin(curve(), HeadingPlan((10.0, 25.0, 40.0), (20.0, 110.0, 350.0)))
-    flight.confirm_for(24.0)
+    flight.fly_for(24.0)
     assert flight.sim.body.yaw_deg == pytest.approx(110.0, abs=2.0)
-    flight.confirm_for(15.0)
+    flight.fly_for(15.0)
     assert (flight.sim.body.yaw_deg - 350.0 + 180.0) % 360.0 - 180.0 == pytest.approx(0.0, abs=2.0)
