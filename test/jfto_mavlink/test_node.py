@@ -193,7 +193,6 @@ def test_a_plan_that_comes_later_is_waited_for(graph, plan_file):
         ({"endpoints": ["tcp:a:1"], "speedup": 2.0}, "real vehicles keep time"),
         ({"roster": ["uav1=1", "uav2=2"]}, "2 roster entries have no @LINK"),
         ({"roster": ["uav1=1@udpin:127.0.0.1:14550"]}, "uav2: in the fleet or in the roster"),
-        ({"endpoints": ["tcp:a:1"], "guided": True, "speedup": 2.0}, "speedup must be 1"),
         ({"endpoints": ["tcp:a:1"], "style": "hover"}, "style"),
     ],
 )

@@ -28,6 +28,8 @@ from jfto_world.terrain.frame import LocalFrame
 
 # Of a wanted 2 m, a radius of 2 m used 0.9 to 2.4 m in flights on slopes.
 RADIUS_SHARE = 0.6
+# Whoever follows a target needs a little more than the target does.
+SPARE = 1.2
 SPEED_GROUND, SPEED_CLIMB, SPEED_DESCENT = 1.0, 2.0, 3.0
 
 
@@ -151,6 +153,13 @@ def _parameters(
                 f"trajectory.wpnav_radius_m {radius_m:g}.",
             )
         found = list(wpnav.as_parameters().items())
+    elif plan.trajectories:
+        # Streamed targets are followed no faster than these; their defaults are less than a curve.
+        found += [
+            ("WPNAV_SPEED_UP", float(round(100 * SPARE * uav.climb_mps))),
+            ("WPNAV_SPEED_DN", float(round(100 * SPARE * uav.descent_mps))),
+            ("WPNAV_ACCEL_Z", float(round(100 * SPARE * plan.time_parameters["accel_z_mps2"]))),
+        ]
     if fence_heights_m is not None:
         found += [("FENCE_ALT_MIN", fence_heights_m[0]), ("FENCE_ALT_MAX", fence_heights_m[1])]
     return tuple(found)

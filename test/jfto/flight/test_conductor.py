@@ -263,18 +263,6 @@ def test_a_vehicle_that_fell_silent_is_ordered_home_and_left_to_itself() -> None
     assert "1 of 2 vehicles are down; uav2 is left to its own failsafes." in outcome.text
 
 
-def test_a_fleet_that_does_not_end_by_itself_is_called_home_after_its_plan() -> None:
-    """Streamed trajectories end in a hover: that is no fault, and the end is a landing."""
-    stand = Stand(ends_itself=False)
-    stand.flying()
-    stand.see(UP, UP, after_s=101.0)
-    assert stand.orders[-1] == "abort"
-    stand.answer("abort")
-    stand.see(PAD, PAD)
-    assert stand.conductor.outcome is not None
-    assert stand.conductor.outcome.ending == Ending.LANDED
-
-
 def test_an_upload_is_repeated_when_the_bridge_died_in_it() -> None:
     """Its answer is lost, and missions may be uploaded twice."""
     stand = Stand()

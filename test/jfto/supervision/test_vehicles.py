@@ -81,7 +81,8 @@ def test_others_are_refused_in_words(texts, options, words) -> None:
         choose_vehicles(texts, UAVS, {}, **options)
 
 
-def test_streamed_trajectories_do_not_wait_for_a_lift_off() -> None:
-    """Their lift-off is the stamp that the planner gives them."""
-    assert "planner_node" not in choose_vehicles(["sim"], UAVS, {"guided": True}).suited
-    assert choose_vehicles(["udpin:0.0.0.0:1"], UAVS, {}).suited["planner_node"]
+def test_every_flight_begins_when_the_fleet_does() -> None:
+    """Missions and streamed trajectories alike: the planner awaits the lift-off that is told."""
+    for texts in (["sim"], ["udpin:0.0.0.0:1"]):
+        suited = choose_vehicles(texts, UAVS, {}).suited
+        assert suited["planner_node"] == {"await_lift_off": True}
