@@ -164,7 +164,7 @@ def test_newer_trajectories_replace_those_held(field):
     assert field.orders._flight.curves.end_s == 60.0
     field.orders.take(second.id, away(second.start_m, zero_ns, 70.0))
     assert wait(lambda: field.orders._flight.curves.end_s == 70.0)
-    far = np.array(second.start_m) + [0.0, 300.0, 0.0]
+    far = np.array(second.start_m) + np.array([0.0, 300.0, 0.0])
     for uav in (first, second):
         place = far if uav is second else uav.start_m
         field.orders.take(uav.id, away(place, zero_ns, 65.0))
@@ -225,7 +225,7 @@ def test_what_cannot_be_flown_is_not_started(field):
         field.orders.take("uav1", away(pad, field.now_ns(), 20.0))
     start_ns = field.now_ns()
     for uav in field.plan.uavs:
-        field.orders.take(uav.id, away(np.array(uav.start_m) + [100.0, 0, 0], start_ns))
+        field.orders.take(uav.id, away(np.array(uav.start_m) + np.array([100.0, 0, 0]), start_ns))
     with pytest.raises(FlightError, match=r"its trajectory begins 100 m away"):
         field.orders.start()
     assert not field.link.vehicle("uav1").armed

@@ -117,7 +117,7 @@ class Flight:
 
 
 def test_a_vehicle_tracks_a_smooth_curve_within_a_metre():
-    """Also where the plan's origin and datum are not the autopilot's; at the end it hovers there."""
+    """Also where the plan's origin and datum are not the autopilot's; in the end it hovers."""
     flight = Flight()
     check_flyable("uav1", curve(), GuidedLimits())
     activity = flight.begin(curve())
