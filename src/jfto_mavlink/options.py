@@ -50,7 +50,8 @@ class BridgeOptions:
     )
     return_height_m: float = param(
         0.0,
-        "Climb to this height above home before returning, if lower; 0: as the terrain asks.",
+        "Of a plan without ways home: climb to this height above home before returning, if lower; "
+        "0: as the terrain asks.",
         unit="m",
         low=0.0,
         high=1000.0,

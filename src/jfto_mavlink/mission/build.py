@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_mavlink.dialect import mavlink
 from jfto_mavlink.errors import MissionError
@@ -20,8 +19,10 @@ from jfto_mavlink.mission.fence import Fence, RallyPoint, fence_items, rally_ite
 from jfto_mavlink.mission.limits import Ground, check_clearance, check_limits, return_height_m
 from jfto_mavlink.mission.settings import MissionSettings, check_as_planned
 from jfto_mavlink.mission.stored import mission_hash
+from jfto_mavlink.mission.way_home import home_items, landing_parameters, return_heights_m
 from jfto_mavlink.protocol.item import FRAME_ABSOLUTE, FRAME_HOME, FRAME_NONE, Item, Mission, at
 from jfto_msgs_py.records.plan import Plan, Route, Uav, Waypoint
+from jfto_msgs_py.types import Array
 from jfto_world.motion import MotionLimits
 from jfto_world.motion.arducopter import ArduCopter
 from jfto_world.terrain.frame import LocalFrame
@@ -65,26 +66,29 @@ def build_missions(
     """One mission per UAV of the plan, in its order; raises MissionError.
 
     With `ground` (ENU heights of the terrain) legs must clear it by `limits.clearance_min_m`, which
-    replaces the least height above home, and the way home is flown high enough over it.
+    replaces the least height above home. The way home is the plan's, as waypoints; where it has
+    none, or nobody is to wait for the others, it is RTL, high enough over the ground.
     """
     check_as_planned(plan, settings)
     shared = Mission(fence=fence_items(fence or Fence()), rally=rally_items(rally))
     by_id = {waypoint.id: waypoint for waypoint in plan.waypoints}
     missions = []
-    for uav, route in zip(plan.uavs, plan.routes, strict=True):
+    returns = () if ground is None else return_heights_m(plan, ground, settings.limits)
+    for index, (uav, route) in enumerate(zip(plan.uavs, plan.routes, strict=True)):
         unknown = [i for i in route.waypoint_ids if i not in by_id]
         if unknown:
             raise MissionError(303, f"{uav.id}: waypoint {unknown[0]} is not in the plan.")
         waypoints = [by_id[i] for i in route.waypoint_ids]
         parameters = _parameters(uav, plan, settings, fence_heights_m)
+        if returns:
+            parameters += (("RTL_ALT", 100.0 * returns[index]),)
         alike = replace(shared, parameters=parameters)
-        missions.append(_build_one(uav, route, waypoints, plan, settings, ground, alike))
+        missions.append(_build_one(index, waypoints, plan, settings, ground, alike))
     return tuple(missions)
 
 
 def _build_one(
-    uav: Uav,
-    route: Route,
+    index: int,
     waypoints: Sequence[Waypoint],
     plan: Plan,
     settings: MissionSettings,
@@ -92,10 +96,12 @@ def _build_one(
     shared: Mission,
 ) -> VehicleMission:
     """The mission of a route, with all but its items from `shared`."""
-    frame = LocalFrame(plan.origin)
+    uav, route, frame = plan.uavs[index], plan.routes[index], LocalFrame(plan.origin)
+    home = plan.homes[index] if plan.homes and settings.relay_until_end else None
     points = np.array([uav.start_m, *(w.position_m for w in waypoints)])
     if ground is not None:
-        settings = _over_ground(uav.id, points, settings, ground)
+        way = None if home is None else home.line_m[1:]
+        settings = _over_ground(uav.id, points, way, settings, ground)
     lat, lon, alt = frame.to_geodetic(points)
     heights = alt - alt[0]
     places = [(float(a), float(o), float(h)) for a, o, h in zip(lat, lon, heights, strict=True)]
@@ -106,16 +112,19 @@ def _build_one(
         *(_speed_items(uav) if settings.set_speeds else ()),
     ]
     waypoint_items = []
-    for index, (waypoint, place) in enumerate(zip(waypoints, places[1:], strict=True)):
+    for number, (waypoint, place) in enumerate(zip(waypoints, places[1:], strict=True)):
         items += _aim_items(waypoint, settings)
         hold_s = settings.hold_s if settings.style == "hold" else 0.0
         waypoint_items.append(len(items))
         items.append(at(mavlink.MAV_CMD_NAV_WAYPOINT, FRAME_HOME, *place, hold_s))
         items += _shutter_items(settings)
-        if index in settings.gates and index < len(waypoints) - 1:
-            items.append(_gate_item(route.arrival_s[index], settings))
+        if number in settings.gates and number < len(waypoints) - 1:
+            items.append(_gate_item(route.arrival_s[number], settings))
     last = places[-1] if waypoints else (*places[0][:2], settings.takeoff_height_m)
-    items += _ending_items(route, last, plan.slots.horizon_s, settings)
+    if home is not None:
+        items += home_items(home, frame, last, (*places[0][:2], home_alt_m))
+    else:
+        items += _ending_items(route, last, plan.slots.horizon_s, settings)
     check_limits(uav.id, items, settings.limits)
     return VehicleMission(
         uav.id,
@@ -160,17 +169,23 @@ def _parameters(
             ("WPNAV_SPEED_DN", float(round(100 * SPARE * uav.descent_mps))),
             ("WPNAV_ACCEL_Z", float(round(100 * SPARE * plan.time_parameters["accel_z_mps2"]))),
         ]
+    if plan.homes:
+        found += landing_parameters()
     if fence_heights_m is not None:
         found += [("FENCE_ALT_MIN", fence_heights_m[0]), ("FENCE_ALT_MAX", fence_heights_m[1])]
     return tuple(found)
 
 
 def _over_ground(
-    uav: str, points_m: NDArray[np.float64], settings: MissionSettings, ground: Ground
+    uav: str,
+    points_m: Array,
+    way_home_m: Array | None,
+    settings: MissionSettings,
+    ground: Ground,
 ) -> MissionSettings:
-    """Settings whose way home clears the ground, after the check that the route does."""
+    """Settings whose return clears the ground, after the check that route and way home do."""
     limits = settings.limits
-    path = points_m.copy()
+    path = points_m.copy() if way_home_m is None else np.concatenate([points_m, way_home_m])
     path[0, 2] += settings.takeoff_height_m
     check_clearance(uav, path, ground, min(limits.clearance_min_m, settings.takeoff_height_m))
     height = return_height_m(points_m[0], points_m[-1], ground, limits.return_clearance_m)

@@ -117,7 +117,7 @@ def check_clearance(uav: str, points_m: Array, ground: Ground, clearance_min_m: 
         if clearance < worst:
             worst, place = clearance, index
     if worst < clearance_min_m:
-        leg = "from take-off to waypoint 1" if place == 0 else f"from waypoint {place} to the next"
+        leg = "from take-off to waypoint 1" if place == 0 else f"from waypoint {place} onwards"
         raise MissionError(
             301,
             f"{uav}: the leg {leg} of its route passes {worst:.1f} m above the ground, at least "

@@ -22,10 +22,10 @@ class MissionSettings:
     `style` "fly_through" takes photos at up to full speed and tilt; "hold" stops for `hold_s` at
     each waypoint for sharp ones (5 to 6.5 s longer per waypoint, measured). Waypoints are passed
     within `pass_within_m`; less is slower at corners. After its last waypoint a UAV stays as a
-    relay until the plan's horizon when `relay_until_end` is set, climbs to `return_height_m` above
-    home if it is lower, and returns. `gates` are indices along each route (0 = first waypoint)
-    behind which all vehicles wait for their planned time plus `gate_slack_s`;
-    they need `start_unix_s`, the planned moment of lift-off.
+    relay when `relay_until_end` is set, then flies the plan's way home and lands. Without either,
+    it climbs to `return_height_m` above home if it is lower, and returns. `gates` are indices along
+    each route (0 = first waypoint) behind which all vehicles wait for their planned time plus
+    `gate_slack_s`; they need `start_unix_s`, the planned moment of lift-off.
     """
 
     style: str = "fly_through"
