@@ -74,6 +74,7 @@ def test_modules_that_pages_run_are_there(page):
         assert importlib.util.find_spec(module) is not None, f"{page.name} runs {module}"
 
 
+@pytest.mark.slow
 def test_the_picture_of_the_house_is_made_from_the_imports(tmp_path):
     """Every package of src/ is in it, and the same imports give the same bytes."""
     for name in ("first.svg", "second.svg"):

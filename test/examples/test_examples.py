@@ -34,6 +34,7 @@ def run(monkeypatch, tmp_path, capsys):
     return run_it
 
 
+@pytest.mark.slow
 def test_a_scenario_of_ones_own(run, tmp_path):
     """Photos that see the ground, a clean plan that is kept, four algorithms side by side."""
     out = run("own_scenario.py", str(EXAMPLES / "valley.yaml"), str(tmp_path))
@@ -73,6 +74,7 @@ def test_power_for_a_given_graph(run):
     assert all(float(used) <= float(budget) for used, budget in spent)
 
 
+@pytest.mark.slow
 def test_missions_go_on_board(run):
     """Each of the three simulated vehicles holds its mission and verifies."""
     out = run("upload_missions.py")
@@ -88,6 +90,7 @@ def test_a_bag_is_read(run):
     assert len(re.findall(r"^/uav\d/jfto/tx_power: ", out, re.MULTILINE)) == 4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_notebooks_run_from_top_to_bottom(path):
     """No cell fails; what is kept in the repository has no outputs."""

@@ -46,6 +46,7 @@ def test_the_comparison_reads_as_a_table(plan):
     assert [line.split()[0] for line in lines[1:5]] == ["MTP", "A-LMST", "CPAPO", "C-TOP"]
 
 
+@pytest.mark.slow
 def test_a_report_is_one_page_beside_its_plan(plan, tmp_path):
     """The page is offline HTML, and its figures and comparison lie in the same directory."""
     page = jfto.report(TINY, plan, tmp_path / "first")

@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[2]
 SCENE = ROOT / "test/data/scenario/tiny.yaml"
 
@@ -53,6 +55,7 @@ def kernels_of(source: Path) -> list[str]:
     return found
 
 
+@pytest.mark.slow
 def test_every_kernel_is_compiled_once_and_for_the_arrays_that_it_is_used_with(tmp_path):
     """After `compile_kernels` each kernel of the source is compiled for one kind of arguments, and
     plans of every kind with their evaluation need no other.

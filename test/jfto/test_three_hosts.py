@@ -25,6 +25,7 @@ from support.plans import side_by_side
 SCENARIO = QUICK | {"fleet.speed_mps": [0.5]}
 # Three processes must start, on a computer that may be busy.
 LIMIT_S = 240.0
+pytestmark = pytest.mark.slow
 HOSTS = ("planner", "topology", "power")
 DISCOVERY = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 # What the tests' own ROS set, and a process on another host would not inherit.

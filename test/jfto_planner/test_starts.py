@@ -17,6 +17,7 @@ def scene(seed, count=60, side=2000.0):
     return np.column_stack([rng.uniform(-side / 2, side / 2, (count, 2)), np.full(count, 200.0)])
 
 
+@pytest.mark.slow
 @settings(deadline=None, derandomize=True, max_examples=60)
 @given(
     st.integers(0, 2**32 - 1),

@@ -30,6 +30,7 @@ RECORDINGS = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", RECORDINGS)
 def test_recording_is_answered_alike(name):
     """At least 95 % of a recording's answers come from the simulator too: type, codes, order."""

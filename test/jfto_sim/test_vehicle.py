@@ -169,6 +169,7 @@ def malformed(rng, count):
         yield bytes(frame)
 
 
+@pytest.mark.slow
 def test_ten_thousand_malformed_frames_do_no_harm():
     """Broken frames and random bytes neither stop the vehicle nor make it grow."""
     vehicle = Vehicle()
@@ -189,6 +190,7 @@ def test_ten_thousand_malformed_frames_do_no_harm():
     assert pilot.command(512, 148) == m.MAV_RESULT_ACCEPTED
 
 
+@pytest.mark.slow
 def test_valid_frames_with_wild_values_do_no_harm():
     """Well-formed messages of every kind it handles, with NaN, infinity and extremes."""
     vehicle = Vehicle()

@@ -47,12 +47,14 @@ def _run(folder: Path, step: int = 1, change: str = "") -> str:
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True).stdout
 
 
+@pytest.mark.slow
 def test_a_kernel_that_calls_another_file_is_compiled_once(tmp_path):
     """A second process takes a kernel from the cache, also where it calls kernels elsewhere."""
     assert _run(tmp_path) == "(3, 1) [0, 0]\n"
     assert _run(tmp_path) == "(3, 1) [1, 1]\n"
 
 
+@pytest.mark.slow
 def test_a_change_in_a_called_file_compiles_anew(tmp_path):
     """Code and constants of another file are part of a kernel: it never runs with what was."""
     assert _run(tmp_path) == "(3, 1) [0, 0]\n"

@@ -91,6 +91,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> zipfile.ZipFile:
     return zipfile.ZipFile(next(folder.glob("*.whl")))
 
 
+@pytest.mark.slow
 def test_the_wheel_holds_what_ament_looks_for(wheel: zipfile.ZipFile) -> None:
     """Resource index, package.xml and scenarios land below share/, the entry point is declared."""
     names = wheel.namelist()
@@ -102,6 +103,7 @@ def test_the_wheel_holds_what_ament_looks_for(wheel: zipfile.ZipFile) -> None:
     assert "jfto = jfto.cli:main" in wheel.read(entry).decode()
 
 
+@pytest.mark.slow
 def test_the_wheel_holds_every_module_and_data_file(wheel: zipfile.ZipFile) -> None:
     """All of src/ is in it, the report's style and script and the type marker included."""
     names = set(wheel.namelist())

@@ -155,6 +155,7 @@ def test_folder_without_bag_is_refused(tmp_path):
         Bag(tmp_path / "nope")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize(
     ("file", "cut"),

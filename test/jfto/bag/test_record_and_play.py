@@ -78,6 +78,7 @@ def _let_run(talker, count):
     wait_until(lambda: len(talker.sent_ns) >= before + count)
 
 
+@pytest.mark.slow
 def test_killed_recording_keeps_all_but_the_last_second(talker, tmp_path):
     """SIGKILL while messages come: all that is older than a second is there, QoS and all."""
     process = _start("record", "-o", tmp_path / "bag", "--all")
@@ -104,6 +105,7 @@ def test_killed_recording_keeps_all_but_the_last_second(talker, tmp_path):
     assert "/uav1/pose" in {each["topic_metadata"]["name"] for each in topics}
 
 
+@pytest.mark.slow
 def test_interrupted_recording_is_a_complete_bag(talker, tmp_path):
     """SIGINT again and again ends with status 0 and an index; only what was named is in it."""
     process = _start("record", "-o", tmp_path / "bag", "/uav1/pose")
@@ -125,6 +127,7 @@ def test_interrupted_recording_is_a_complete_bag(talker, tmp_path):
     assert (profile.reliability.name, profile.depth) == ("BEST_EFFORT", 10)
 
 
+@pytest.mark.slow
 def test_parameters_of_nodes_are_kept_on_request(talker, tmp_path):
     """--parameters asks each node once; parameters without a value or empty are left out."""
     talker.declare_parameter("speed.cruise", 4.5)
@@ -143,6 +146,7 @@ def test_parameters_of_nodes_are_kept_on_request(talker, tmp_path):
     assert not {"unset", "nobody"} & set(found)
 
 
+@pytest.mark.slow
 def test_simulated_time_stamps_the_messages(talker, tmp_path):
     """--use-sim-time: nothing before /clock comes, then its time, also with a bag of that name."""
     (tmp_path / "bag").mkdir()
@@ -211,6 +215,7 @@ def test_clock_is_the_time_of_the_bag(graph, bags):
     assert all(1795316537 <= each <= 1795316542 for each in times)
 
 
+@pytest.mark.slow
 def test_late_joiner_gets_latched_topics_and_interrupt_is_no_failure(graph, bags):
     """A subscription made while the bag plays gets the topology; Ctrl-C ends with 0."""
     poses, matrices = [], []
@@ -226,6 +231,7 @@ def test_late_joiner_gets_latched_topics_and_interrupt_is_no_failure(graph, bags
     assert list(matrices[0].data) == [0.0, 1.0, 1.0, 0.0]
 
 
+@pytest.mark.slow
 def test_unknown_topic_plays_nothing_and_succeeds(bags):
     """As with ros2 bag, --topics of an unknown topic ends at once with 0."""
     process = _start("play", bags / "jazzy_mcap_zstd", "--topics", "/nope")

@@ -140,6 +140,7 @@ def test_replay_never_reaches_the_network(flight):
     assert seen == {"fleet"}
 
 
+@pytest.mark.slow
 def test_bytes_do_not_depend_on_the_process(flight):
     """Another process, with other hashes of strings, gives the same digest."""
     outputs = [

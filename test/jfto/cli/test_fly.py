@@ -31,6 +31,7 @@ def test_a_plan_alone_is_enough(plan, tmp_path, capsys) -> None:
     }
 
 
+@pytest.mark.slow
 def test_the_scenario_beside_a_plan_is_what_it_is_flown_under(tiny_run, tmp_path) -> None:
     """Its terrain, and all that a plan does not say."""
     out = tmp_path / "run"

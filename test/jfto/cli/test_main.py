@@ -17,6 +17,7 @@ HEAVY = ("numpy", "scipy", "numba", "torch", "matplotlib", "rasterio", "yaml", "
 ROOT = Path(__file__).parents[3]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arguments", [[], *([name] for name in COMMANDS)])
 def test_help_loads_nothing_heavy(arguments: list[str]) -> None:
     """`jfto --help` and each command's help import no numerical or drawing library."""
@@ -78,6 +79,7 @@ def test_a_broken_plan_is_found_out(
     assert "✗" in said
 
 
+@pytest.mark.slow
 def test_an_impossible_wish_is_an_answer(
     tiny: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -95,6 +97,7 @@ def test_an_impossible_wish_is_an_answer(
     assert "plan.infeasible.json" in said
 
 
+@pytest.mark.slow
 def test_evaluate_takes_a_plan_and_writes_files(
     tiny_run: tuple[Path, Run], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -109,6 +112,7 @@ def test_evaluate_takes_a_plan_and_writes_files(
     assert (out / "small" / "topology.png").exists()
 
 
+@pytest.mark.slow
 def test_coverage_writes_waypoints_that_a_scenario_can_read(
     tiny: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

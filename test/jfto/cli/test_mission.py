@@ -68,6 +68,7 @@ def test_a_mission_that_is_out_of_bounds_is_not_imported(tmp_path, capsys):
     assert "item 2: height -500.0 m" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_upload_verify_and_clear_go_together(plan, vehicles, capsys):
     """Uploaded it verifies, another way home does not, cleared it does not any more."""
     server, roster = vehicles
@@ -82,6 +83,7 @@ def test_upload_verify_and_clear_go_together(plan, vehicles, capsys):
     assert main(["mission", "verify", str(plan), *common]) == 1
 
 
+@pytest.mark.slow
 def test_a_link_names_the_whole_fleet_as_it_does_for_run(plan, vehicles, capsys):
     """System ids 1, 2 … in the order of the plan, all on that link."""
     _, roster = vehicles
@@ -126,6 +128,7 @@ def test_a_wrong_roster_is_explained(plan, capsys, vehicles_text, words):
     assert words in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_orders_reach_the_vehicles_named_and_no_others(vehicles, capsys):
     """Seen to work, or said why not; a stranger in the list stops everything."""
     server, roster = vehicles

@@ -34,6 +34,7 @@ def _curve(directory: Path) -> list[dict[str, str]]:
         return [{k: row[k] for k in row if k != "seconds"} for row in csv.DictReader(file)]
 
 
+@pytest.mark.slow
 def test_a_run_that_was_stopped_goes_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """One step writes weights that can be loaded; asked for one more, it keeps the first."""
     assert _train(CONFIG, tmp_path, "--device", "cpu") == 0

@@ -6,6 +6,7 @@ import os
 import random
 
 import numpy as np
+import pytest
 from geometry_msgs.msg import PoseStamped
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.serialization import serialize_message
@@ -58,6 +59,7 @@ def _tampered(rng: random.Random, payload: bytes) -> bytes:
     return bytes(data) + bytes(-len(data) % 4)
 
 
+@pytest.mark.slow
 def test_tampered_messages_stop_nothing() -> None:
     """Counted by field, never a crash, and good ones still make a schedule."""
     rng = random.Random(20261122)

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from jfto.console.progress import Progress
 from jfto.pipeline.evaluation import Evaluated, write_evaluation
 from jfto.pipeline.run import Run
 from jfto_msgs_py.scenario.mission import EvaluationPart
 
 
+@pytest.mark.slow
 def test_plans_of_one_scene_have_folders_of_their_own(
     tiny_run: tuple[Path, Run], tmp_path: Path
 ) -> None:

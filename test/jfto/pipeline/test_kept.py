@@ -59,6 +59,7 @@ def test_nothing_is_made_again_where_nothing_changed(
     assert np.array_equal(run.comparison.ours.power_w, first.comparison.ours.power_w)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("override", "kept"), [("evaluation.slot_shown=3", {"routes"}), ("network.delta=1", set())]
 )
@@ -71,6 +72,7 @@ def test_what_depends_on_a_changed_key_is_made_again(
     assert told.worked >= ALL - kept
 
 
+@pytest.mark.slow
 def test_a_file_that_somebody_changed_is_made_again(tiny: Path, directory: Path) -> None:
     """And a lost one; what lies beside it is kept."""
     page = (directory / "report.html").read_bytes()

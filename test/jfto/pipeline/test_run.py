@@ -7,6 +7,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from jfto.pipeline.directory import make_run_directory
 from jfto.pipeline.run import Run, rebuild, save_plan
@@ -37,6 +38,7 @@ def test_the_plan_is_verified_and_visits_every_waypoint_once(tiny_run: tuple[Pat
     assert visited == sorted(waypoint.id for waypoint in run.plan.waypoints)
 
 
+@pytest.mark.slow
 def test_same_scenario_and_seed_give_the_same_bytes(
     tiny: Path, tiny_run: tuple[Path, Run], tmp_path: Path
 ) -> None:
@@ -66,6 +68,7 @@ def test_the_resolved_scenario_stands_for_the_original(
     assert resolved.values() == load_scenario(tiny).scenario.values()
 
 
+@pytest.mark.slow
 def test_a_report_is_rebuilt_from_its_directory(tiny_run: tuple[Path, Run]) -> None:
     """Scenario and plan are enough to write the same report and figures again."""
     directory, _ = tiny_run
@@ -104,6 +107,7 @@ def test_ctop_keeps_the_budget_and_the_neighbour_rule(tiny_run: tuple[Path, Run]
     assert (ours.active.links <= ours.linked.links).all()
 
 
+@pytest.mark.slow
 def test_an_infeasible_run_has_its_report_too(tiny: Path, tmp_path: Path) -> None:
     """Where no energy lasts, nothing has any throughput, and the page lists what is violated."""
     run = run_all(load_scenario(tiny, ["fleet.energy_j=0.001"]), tmp_path)

@@ -18,6 +18,7 @@ from support.flights import Flaws, FlightBag, tracks_of
 from support.html import HtmlChecker
 
 DOCUMENT = Path(__file__).parents[3] / "docs/reference/flight.md"
+pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")

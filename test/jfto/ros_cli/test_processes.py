@@ -7,6 +7,8 @@ import subprocess
 import sys
 import threading
 
+import pytest
+
 from support.spinning import LIMIT_S
 
 
@@ -33,6 +35,7 @@ def _read_until(process, text):
     return "".join(lines)
 
 
+@pytest.mark.slow
 def test_interrupt_ends_echo_without_a_word(demo):
     """Ctrl-C after two messages: both are whole, stderr is empty, status 130."""
     process = _start("topic", "echo", "/uav1/status")
@@ -44,6 +47,7 @@ def test_interrupt_ends_echo_without_a_word(demo):
     assert (head + out).replace(message, "") == ""
 
 
+@pytest.mark.slow
 def test_termination_ends_hz_with_143(demo):
     """SIGTERM ends a rate that is being printed; what was printed is a rate."""
     process = _start("topic", "hz", "/uav1/pose")
@@ -54,6 +58,7 @@ def test_termination_ends_hz_with_143(demo):
     assert text.startswith("average rate: ")
 
 
+@pytest.mark.slow
 def test_reader_that_leaves_ends_echo(demo):
     """Echo into `head` ends when head does."""
     process = _start("topic", "echo", "/uav1/status")
@@ -64,6 +69,7 @@ def test_reader_that_leaves_ends_echo(demo):
     assert (process.returncode, err) == (1, "")
 
 
+@pytest.mark.slow
 def test_refusal_goes_to_stderr(demo):
     """A refused value gives the node's reason and status 1, and changes nothing."""
     refused = _start("param", "set", "/uav1/demo", "speed", "11.0")

@@ -95,6 +95,7 @@ def _is_left(lock: Path) -> bool:
     return True
 
 
+@pytest.mark.slow
 def test_only_what_ones_own_dead_have_left_is_removed() -> None:
     """Two of ours, two of another graph, one of each killed: the other graph's litter stays.
 

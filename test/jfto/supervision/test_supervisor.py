@@ -125,6 +125,7 @@ def test_an_unclean_end_is_reported(tmp_path, code) -> None:
     assert running.outcome.unclean == {"node": "ended with status 3"}
 
 
+@pytest.mark.slow
 def test_a_node_that_ignores_sigint_is_asked_by_sigterm(tmp_path) -> None:
     """As under a shell that started everything in the background; it still ends cleanly."""
     deaf = (

@@ -57,6 +57,7 @@ def parse_document(document):
     return mission_of_document(plan_of_document(document, "x"), "x")
 
 
+@pytest.mark.slow
 @settings(max_examples=80, deadline=None, derandomize=True)
 @given(missions)
 def test_both_formats_keep_every_bit(rest):

@@ -123,6 +123,7 @@ class Field:
         return result
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("style", ["fly_through", "hold"])
 def test_a_fleet_flies_its_plan_to_the_end(plan, style):
     """Every waypoint within 2 m, then home, landed, disarmed."""
@@ -138,6 +139,7 @@ def test_a_fleet_flies_its_plan_to_the_end(plan, style):
         assert not vehicle.armed
 
 
+@pytest.mark.slow
 def test_a_fleet_flies_over_a_bad_link(plan):
     """30 % loss each way costs patience, not waypoints."""
     loss = LinkFaults(loss=0.3)
@@ -147,6 +149,7 @@ def test_a_fleet_flies_over_a_bad_link(plan):
         assert field.missed(uav, 2.5) == []
 
 
+@pytest.mark.slow
 def test_time_gates_hold_the_fleet_to_the_clock(plan):
     """Flown once for true times, then gated: each vehicle leaves its gate at the planned second."""
     first = Field(plan)
@@ -255,6 +258,7 @@ def test_a_vehicle_that_does_not_arm_holds_the_others_back(plan):
     assert not any(event.text == "mode AUTO" for event in field.events)
 
 
+@pytest.mark.slow
 def test_pause_and_resume_reach_the_end(plan):
     """Paused it stands, resumed it goes on with the same waypoint."""
     field = Field(plan)
@@ -276,6 +280,7 @@ def test_only_a_mission_can_be_paused(plan):
         field.do("uav1", pause)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("job", "mode"), [(return_home, "RTL"), (land, "LAND"), (brake, "BRAKE")])
 def test_aborts_are_seen_to_work(plan, job, mode):
     """Each ends in the mode it asks for, and that is told."""
@@ -301,6 +306,7 @@ def test_a_mission_is_not_written_over_in_auto(plan):
     assert caught.value.code == 405
 
 
+@pytest.mark.slow
 def test_a_changed_mission_in_flight_holds_first_and_starts_at_its_first_item(plan):
     """BRAKE, upload, read back, current item set, AUTO again."""
     field = Field(plan)
@@ -334,6 +340,7 @@ def test_a_refused_change_in_flight_puts_the_old_mission_back(plan):
     assert field.runner.station.vehicle("uav1").mode == MODES["BRAKE"]
 
 
+@pytest.mark.slow
 def test_a_link_lost_in_flight_is_told_and_the_flight_goes_on(plan):
     """The vehicle flies its mission without us; waypoints passed unseen count as reached."""
     field = Field(plan, MissionSettings(style="hold"))
@@ -349,6 +356,7 @@ def test_a_link_lost_in_flight_is_told_and_the_flight_goes_on(plan):
     assert [p.waypoint_id for p in passed] == list(field.missions["uav1"].waypoint_ids)
 
 
+@pytest.mark.slow
 def test_a_low_battery_is_told(plan):
     """Published once, when it sinks below the mark."""
     field = Field(plan)

@@ -24,6 +24,7 @@ def flight(plan):
     return Flight(plan)
 
 
+@pytest.mark.slow
 def test_a_flight_without_faults_is_told_from_lift_off_to_landing(flight):
     """Lift-off, all waypoints passed, each landing, the end; nothing that is bad."""
     flight.start()
@@ -38,6 +39,7 @@ def test_a_flight_without_faults_is_told_from_lift_off_to_landing(flight):
     assert len(flight.notices) == 6
 
 
+@pytest.mark.slow
 def test_a_killed_vehicle_is_lost_and_the_others_fly_on(flight):
     """One line says where it was last; its waypoints are named; the flight still has an end."""
     flight.start()
@@ -53,6 +55,7 @@ def test_a_killed_vehicle_is_lost_and_the_others_fly_on(flight):
     assert "uav1 landed on its pad; uav2 declared lost, last heard at 47.39" in end
 
 
+@pytest.mark.slow
 def test_a_low_battery_brings_a_vehicle_home(flight):
     """Its own failsafe does; the line says so, once."""
     flight.start()
@@ -65,6 +68,7 @@ def test_a_low_battery_brings_a_vehicle_home(flight):
     assert len(flight.told("battery", "uav1")) == 1
 
 
+@pytest.mark.slow
 def test_a_battery_without_a_failsafe_is_told_too(flight):
     """Nobody acts then, and the line says that."""
     flight.start()
@@ -74,6 +78,7 @@ def test_a_battery_without_a_failsafe_is_told_too(flight):
     assert "no failsafe has acted: it flies on in AUTO; uav2 flies on." in text
 
 
+@pytest.mark.slow
 def test_lost_gps_is_told_when_it_goes_and_when_the_vehicle_lands(flight):
     """ArduCopter lands where it is after 8 s; that is not its pad."""
     flight.start()
@@ -92,6 +97,7 @@ def test_lost_gps_is_told_when_it_goes_and_when_the_vehicle_lands(flight):
     assert "m from its pad at 47.39" in end
 
 
+@pytest.mark.slow
 def test_a_mode_that_this_station_ordered_is_no_news(flight):
     """Pause and return are; another station's LOITER is."""
     flight.start()
@@ -108,6 +114,7 @@ def test_a_mode_that_this_station_ordered_is_no_news(flight):
     )
 
 
+@pytest.mark.slow
 def test_a_vehicle_that_is_heard_again_flies_on(flight):
     """Lost for a while, then back on its mission: two lines, and it lands like the others."""
     flight.start()
@@ -120,6 +127,7 @@ def test_a_vehicle_that_is_heard_again_flies_on(flight):
     assert flight.until("landed", "", 300.0).endswith("uav2 landed on its pad.")
 
 
+@pytest.mark.slow
 def test_a_vehicle_that_stays_on_the_ground_is_named(flight):
     """The others' lift-off does not wait for it for ever."""
     flight.runner.advance(READY_S)
@@ -131,6 +139,7 @@ def test_a_vehicle_that_stays_on_the_ground_is_named(flight):
     assert flight.until("lift_off", "", 20.0) == "Lift-off: uav1; uav2 stayed on the ground."
 
 
+@pytest.mark.slow
 def test_a_second_flight_has_a_lift_off_of_its_own(flight):
     """The end of one flight is not that of the next."""
     flight.start()

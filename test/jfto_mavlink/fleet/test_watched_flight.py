@@ -39,6 +39,7 @@ def successor(flight: Flight, plan, state_file) -> Flight:
     return Flight(plan, state_file, flight.vehicles)
 
 
+@pytest.mark.slow
 def test_a_flight_under_way_is_recognised_and_left_alone(plan, state_file):
     """Missions are read, nothing is written; the operator learns who flies what."""
     first = Flight(plan, state_file)
@@ -93,6 +94,7 @@ def test_orders_work_after_the_restart(plan, state_file):
     assert second.until("landed", "", 200.0).endswith("uav2 landed on its pad.")
 
 
+@pytest.mark.slow
 def test_a_vehicle_lost_while_nobody_listened_is_still_missed(plan, state_file):
     """Its state file says that it flew; the end of the flight names it."""
     first = Flight(plan, state_file)
@@ -141,6 +143,7 @@ def test_another_mission_on_board_is_said_not_replaced(plan, state_file):
     assert [v.mode.number for v in second.vehicles.values()] == [Mode.AUTO, Mode.AUTO]
 
 
+@pytest.mark.slow
 def test_a_flight_that_began_unseen_is_placed_by_its_progress(plan, state_file):
     """Killed before lift-off was known: time zero is as the plan has the last waypoint."""
     first = Flight(plan)

@@ -66,6 +66,7 @@ def test_nodes_announce_themselves_often_on_this_computer_only(monkeypatch, envi
     assert PROFILES[0] not in os.environ
 
 
+@pytest.mark.slow
 def test_the_middleware_takes_our_settings(wheels, tmp_path):
     """A file that it cannot read, it complains of."""
     code = (

@@ -87,6 +87,7 @@ def test_it_leaves_nothing_in_shared_memory(started, later):
     assert not segments[0].with_name(segments[0].name[:-3]).exists()
 
 
+@pytest.mark.slow
 def test_it_ends_in_a_computation_that_does_not(started):
     """A callback that never returns is ended from outside: status 1, and the reason is said."""
     process = started("time.sleep(600)")

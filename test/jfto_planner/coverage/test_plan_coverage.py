@@ -86,6 +86,7 @@ def test_lattice_spacing_holds_along_the_surface(east, north, along, across):
         assert np.linalg.norm(rise) <= across + 1e-6
 
 
+@pytest.mark.slow
 def test_mountain_scene_of_two_kilometres():
     """The demo's ground: about 136 photos, all of it seen, 99 % at the wished resolution ± 10 %."""
     dem = load_dem("jacksboro", center=CENTER, size_m=(2000, 2000))

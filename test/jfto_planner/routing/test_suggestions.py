@@ -32,6 +32,7 @@ def test_missing_gain_is_exactly_enough(hopeless):
     assert less.deficits + less.splits + less.fine_faults > 0
 
 
+@pytest.mark.slow
 def test_every_cure_has_been_tried(hopeless):
     """Each suggestion carries routes that are clean under it, and gain is among them."""
     problem, result = hopeless
@@ -65,6 +66,7 @@ def test_feasible_results_need_no_cure(make_problem):
     assert suggest_cures(problem, result, seed=1, trial=QUICK) == ()
 
 
+@pytest.mark.slow
 def test_long_routes_are_cured_by_length(make_problem):
     """Where only length is missing, the closest routes are clean at the length suggested."""
     problem = make_problem(length_max_m=800.0, reach_m=np.full(4, 900.0), d_min_m=0.0)

@@ -1,10 +1,12 @@
 """Rules of the choice between candidate curves."""
 
 import numpy as np
+import pytest
 
 from jfto_planner.smoothing import CurveLimits, RouteRequest, smooth, smooth_route
 
 
+@pytest.mark.slow
 def test_the_faster_candidate_is_kept(monkeypatch):
     """Trying a narrower corridor too never makes a route slower than the full one alone."""
     limits = CurveLimits(10.0, 5.0, 3.0)

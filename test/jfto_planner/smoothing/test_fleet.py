@@ -55,6 +55,7 @@ def test_the_vehicle_that_cannot_fly_its_route_is_named() -> None:
         smooth_fleet(("a", "b"), lines, (_LIMITS,) * 2, _flat, CurveRules(Clearance(20.0)))
 
 
+@pytest.mark.slow
 def test_a_fleet_that_cannot_be_kept_apart_is_left_for_the_certificate() -> None:
     """Two pads closer than d_min cannot be helped by any delay; nothing is changed or raised."""
     lines = (_LINES[0], _LINES[0] + np.array([3.0, 0, 0]))

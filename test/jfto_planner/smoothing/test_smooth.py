@@ -38,6 +38,7 @@ def random_route(seed, count=8, spread=150.0):
     return np.column_stack([walk, rng.uniform(40, 40 + 0.2 * spread, count)])
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=25, derandomize=True)
 @given(st.floats(0.5, 400.0), st.floats(2, 15), st.floats(0.5, 6), st.floats(0.5, 20))
 def test_rest_to_rest_equals_the_closed_form(length, speed, accel, jerk):
@@ -62,6 +63,7 @@ def test_limits_hold_everywhere(seed, spread):
         assert ratio <= 1.001, name
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=20, derandomize=True)
 @given(st.integers(0, 100_000), st.floats(15, 300))
 def test_joints_are_continuous_and_waypoints_are_met(seed, spread):
@@ -77,6 +79,7 @@ def test_joints_are_continuous_and_waypoints_are_met(seed, spread):
     assert trajectory.waypoint_s[-1] == pytest.approx(trajectory.end_s)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("spread", [25.0, 60.0, 120.0, 250.0])
 @pytest.mark.parametrize("seed", range(2))
 def test_flying_through_beats_stopping(seed, spread):

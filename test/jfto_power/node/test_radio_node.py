@@ -94,6 +94,7 @@ def test_a_setpoint_given_before_the_node_came_is_applied(graph, server) -> None
     assert server.air.air.power_dbm("uav2") == 21.0
 
 
+@pytest.mark.slow
 def test_a_radio_that_does_not_obey_is_told_once_and_again_when_it_does(graph, server) -> None:
     """An error event with both figures, an error in diagnostics, and one line at the end."""
     power = _Power(graph)

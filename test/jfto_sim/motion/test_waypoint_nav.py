@@ -49,6 +49,7 @@ def fly(parameters, hold_s):
     return np.diff([0.0, *reached]), np.array(track)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("run", "parameters", "hold_s", "track"),
     [

@@ -160,6 +160,7 @@ def test_links_are_mutual_connected_and_numerous_enough(fleet):
         assert top.connected[n] == (whole == 1)
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None, derandomize=True)
 @given(fleets())
 def test_trimming_leaves_an_excess_only_where_nothing_can_be_spared(fleet):

@@ -10,6 +10,7 @@ from jfto_world.motion.arducopter import WpNav, fly_route
 RUNS = flights.runs()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", RUNS)
 def test_leg_times_agree_with_the_flights(name):
     """Each leg within 0.9 s, 0.2 s on average, each mission within 1 % of the recorded flight."""

@@ -59,6 +59,7 @@ wpnavs = st.builds(
 )
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=60, derandomize=True)
 @given(steps, wpnavs)
 def test_leg_keeps_its_limits_and_integrates(step, wpnav):

@@ -121,6 +121,7 @@ def test_one_ground_in_two_coordinate_systems(tmp_path):
     assert np.ptp(one.height(x, y)) > 250
 
 
+@pytest.mark.slow
 @settings(deadline=None, derandomize=True, max_examples=15)
 @given(st.floats(36.50, 36.68), st.floats(-84.37, -84.12), st.floats(200, 2500))
 def test_ground_does_not_depend_on_how_it_is_cut(lat, lon, size):
@@ -184,6 +185,7 @@ def test_voids_outside_of_the_area_do_no_harm(tmp_path):
     assert holed.grid()[2] == pytest.approx(z, abs=0.1)
 
 
+@pytest.mark.slow
 def test_of_a_huge_raster_only_the_window_is_read(tmp_path):
     """A raster of 10^10 cells, sparse on disk, is opened and cut."""
     path = tmp_path / "huge.tif"
@@ -201,6 +203,7 @@ def test_of_a_huge_raster_only_the_window_is_read(tmp_path):
     assert dem.origin.alt_m == pytest.approx(1234, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_fine_rasters_over_wide_areas_are_averaged_not_skipped(tmp_path):
     """Cells finer than the ground's own nodes are averaged over blocks: noise shrinks."""
     rng = np.random.default_rng(0)

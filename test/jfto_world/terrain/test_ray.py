@@ -78,6 +78,7 @@ def test_a_ray_that_passes_just_over_a_ridge_goes_on_and_one_just_under_it_does_
         assert np.isfinite(cast(surface, start + np.array([0, 0, top - height_m]), unit)[0])
 
 
+@pytest.mark.slow
 @settings(deadline=None, derandomize=True, max_examples=60)
 @given(st.integers(0, 2**32 - 1))
 def test_nothing_on_the_way_to_a_hit_is_below_ground(seed):

@@ -151,6 +151,7 @@ def test_a_uav_without_waypoints_leaves_the_layout_alone(
     assert min(widths) > 0.3
 
 
+@pytest.mark.slow
 def test_figures_are_files_for_screen_and_print_the_same_each_time(
     tiny_run: tuple[Path, Run], tmp_path: Path
 ) -> None:

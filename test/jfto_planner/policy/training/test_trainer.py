@@ -60,6 +60,7 @@ def _curve(directory: Path) -> list[dict[str, str]]:
     return [{key: row[key] for key in row if key != "seconds"} for row in _log(directory)]
 
 
+@pytest.mark.slow
 def test_a_killed_run_resumes_with_the_same_curve(tmp_path) -> None:
     """Killed after step 5 and resumed from the checkpoint at 4, a run logs and learns the same."""
     whole = Trainer(CONFIG, tmp_path / "whole")
@@ -97,6 +98,7 @@ def test_imitation_makes_the_routes_likelier(tmp_path) -> None:
     assert sum(losses[-10:]) < 0.8 * sum(losses[:10])
 
 
+@pytest.mark.slow
 def test_a_frozen_norm_keeps_its_statistics(tmp_path) -> None:
     """With `frozen_norm` the weights move and the running statistics do not; without, both do."""
     for frozen in (False, True):
@@ -182,6 +184,7 @@ def test_bad_configurations_name_the_key(values, message) -> None:
         from_dict(values)
 
 
+@pytest.mark.slow
 def test_a_checkpoint_of_another_run_is_refused(tmp_path) -> None:
     """Resuming with another seed would mix two runs."""
     Trainer(CONFIG, tmp_path).run()
@@ -204,6 +207,7 @@ Path(sys.argv[2], name).write_text(repr(vector.double().sum().item()))
 """
 
 
+@pytest.mark.slow
 def test_two_workers_stay_in_step(tmp_path) -> None:
     """Two gloo processes average their gradients: their weights stay equal to each other."""
     script = tmp_path / "worker.py"
