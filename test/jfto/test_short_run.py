@@ -13,7 +13,8 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,7 @@ from jfto.bag.replay import replay_bag
 from jfto_msgs_py.ros import topics
 
 ROOT = Path(__file__).parents[2]
+pytestmark = pytest.mark.slow
 SCENE = ROOT / "test" / "data" / "scenario" / "short_flight.yaml"
 # A minute on an idle computer; one that runs many tests at once takes several.
 LIMIT_S = 900.0
@@ -55,15 +57,27 @@ def flies(directory: Path) -> bool:
     return json.loads(energy.read_text())["at_ns"] > lift_off_ns + 5e9
 
 
-def stop_for_a_while(name: str, directory: Path, flight: subprocess.Popen) -> None:
-    """Let a node's process stand still in mid-flight."""
-    tick = threading.Event()
-    while not flies(directory):
+def pid_of(name: str, directory: Path) -> int | None:
+    """Of a node's process; None before it is started and once it has ended."""
+    file = directory / "status.json"
+    return json.loads(file.read_text())[name]["pid"] if file.exists() else None
+
+
+def wait_in(flight: subprocess.Popen, condition: Callable[[], Any]) -> None:
+    """Wait for what comes in the course of a run; fails where that ends before."""
+    tick, end_s = threading.Event(), time.monotonic() + LIMIT_S
+    while not condition():
         assert flight.poll() is None
+        assert time.monotonic() < end_s
         tick.wait(0.2)
-    pid = json.loads((directory / "status.json").read_text())[name]["pid"]
+
+
+def stop_for_a_while(name: str, directory: Path) -> None:
+    """Let a node's process stand still."""
+    pid = pid_of(name, directory)
+    assert pid is not None
     os.kill(pid, signal.SIGSTOP)
-    tick.wait(STOPPED_S)
+    threading.Event().wait(STOPPED_S)
     os.kill(pid, signal.SIGCONT)
 
 
@@ -78,19 +92,23 @@ def flown(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any
         "ROS_DOMAIN_ID": str(os.getpid() % 100 + 1),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
     }
-    with busy_computer():
-        flight = subprocess.Popen(
-            [*command, "--speedup", "10"],
-            env=environment,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        try:
-            stop_for_a_while("topology_node", directory, flight)
-            stdout, stderr = flight.communicate(timeout=LIMIT_S)
-        finally:
-            flight.kill()
+    flight = subprocess.Popen(
+        [*command, "--speedup", "10"],
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        wait_in(flight, lambda: pid_of("planner_node", directory))
+        # While the graph is up: before there is a plan and after the flight nothing waits for time.
+        with busy_computer():
+            wait_in(flight, lambda: flies(directory))
+            stop_for_a_while("topology_node", directory)
+            wait_in(flight, lambda: pid_of("planner_node", directory) is None)
+        stdout, stderr = flight.communicate(timeout=LIMIT_S)
+    finally:
+        flight.kill()
     assert flight.returncode == 0, stdout[-2000:] + stderr[-2000:]
     return directory, json.loads(stdout)
 

@@ -81,12 +81,15 @@ def test_the_clock_runs_before_there_are_vehicles(tmp_path) -> None:
         )  # fmt: skip
         ticks = graph.collect(Clock, topics.CLOCK, qos.clock())
         said = graph.collect(DiagnosticArray, topics.DIAGNOSTICS, qos.default())
-        begun_s = time.time()
-        graph.until(lambda: len(ticks) > 20 and said)
-        wall_s = time.time() - begun_s
-    stamps = [decode_time(tick.clock) for tick in ticks]
+        stamps, begun_s = [], time.monotonic()
+
+        def gained() -> bool:
+            """Five times the wall's time has passed, however late the first tick came."""
+            stamps[:] = [decode_time(tick.clock) for tick in ticks]
+            return (stamps[-1] - stamps[0]) / 1e9 > 5 * (time.monotonic() - begun_s)
+
+        graph.until(lambda: len(ticks) > 20 and said and gained())
     assert stamps == sorted(stamps)
-    assert (stamps[-1] - stamps[0]) / 1e9 > 5 * wall_s
     assert "none.json is not there yet" in said[-1].status[0].message
 
 
@@ -135,6 +138,7 @@ def test_the_air_hears_setpoints_and_tells_what_became_of_them(tmp_path) -> None
     ]
 
 
+@pytest.mark.slow
 def test_their_time_waits_for_a_node_that_falls_behind(tmp_path) -> None:
     """It goes on with its reports, stands without them, and at real time once patience is over."""
     plan = side_by_side(make_scenario([{"fleet.count": Given(3, "test")}]))
@@ -142,7 +146,7 @@ def test_their_time_waits_for_a_node_that_falls_behind(tmp_path) -> None:
     with Graph() as graph:
         node = graph.add(
             SimulatedFleetNode, None, plan_file=str(tmp_path / "plan.json"), speedup=20.0,
-            endpoint=f"udpto:127.0.0.1:{free_udp_port()}", patience_s=2.0,
+            endpoint=f"udpto:127.0.0.1:{free_udp_port()}", patience_s=4.0,
         )  # fmt: skip
         reports = graph.observer.create_publisher(Header, topics.CLOCK_TAKEN, qos.reports())
         clock_ns, reporting = [0], [True]
@@ -162,8 +166,9 @@ def test_their_time_waits_for_a_node_that_falls_behind(tmp_path) -> None:
         assert clock_ns[-1] - last_ns < 1.5e9
         graph.until(lambda: "not waiting for observer" in node.statuses(0)[0].text)
         given_up_ns, wall_s = clock_ns[-1], time.monotonic()
-        graph.until(lambda: clock_ns[-1] > given_up_ns + 1e9)
-        assert time.monotonic() - wall_s > 0.8
+        graph.until(lambda: clock_ns[-1] > given_up_ns + 2e9)
+        # 2 s at real time, 0.1 s as fast as was asked; a tick may be read when it is old.
+        assert time.monotonic() - wall_s > 0.4
         reporting[0] = True
         back_ns = clock_ns[-1]
         graph.until(lambda: clock_ns[-1] > back_ns + 20e9)

@@ -28,7 +28,7 @@ EPOCH_NS = 1_763_776_800 * 10**9
 PATIENT = GuidedSettings(stalled_s=20.0)
 
 
-def wait(condition, limit_s: float = 30.0) -> bool:
+def wait(condition, limit_s: float = 120.0) -> bool:
     """Wait until a condition holds."""
     until = time.monotonic() + limit_s
     pause = threading.Event()
@@ -116,13 +116,14 @@ def field(plan, tmp_path):
         yield Field(plan, link, tmp_path / "flight_state.json")
 
 
+@pytest.mark.slow
 def test_a_fleet_is_streamed_to_held_let_go_on_and_called_home(field):
     """The curves that came once are flown though nothing comes any more; each order is obeyed."""
     with pytest.raises(FlightError, match="no trajectory has come"):
         field.orders.start()
     field.fly()
-    assert wait(lambda: field.along_s() > 28.0)
-    assert field.on_track()
+    # Not at the very moment: a stall of the computer is made up for first.
+    assert wait(lambda: field.along_s() > 28.0 and field.on_track())
     assert field.orders.streaming("uav1") == "streaming"
     assert field.orders.pause() == "holding: uav1, uav2"
     assert field.modes() == {"BRAKE"}
@@ -143,15 +144,17 @@ def test_a_fleet_is_streamed_to_held_let_go_on_and_called_home(field):
     field.orders.close()
 
 
+@pytest.mark.slow
 def test_a_flight_ends_as_missions_do(field):
     """At the end of the curves all fly home by the missions on board, and land."""
     field.fly()
     assert wait(lambda: field.modes() == {"AUTO"})
     assert field.along_s() > 60.0
-    assert wait(lambda: not any(field.link.vehicle(uav).armed for uav in field.missions), 60.0)
+    assert wait(lambda: not any(field.link.vehicle(uav).armed for uav in field.missions))
     assert not field.told
 
 
+@pytest.mark.slow
 def test_newer_trajectories_replace_those_held(field):
     """All at once, and only where each is near: a fleet that mixed plannings is not certified."""
     field.fly()
@@ -174,6 +177,7 @@ def test_newer_trajectories_replace_those_held(field):
     field.orders.abort()
 
 
+@pytest.mark.slow
 def test_a_bridge_that_died_is_followed_by_one_that_goes_on(field):
     """It knows the curves and how far they were flown from disk, and all go on together."""
     field.fly()
@@ -199,9 +203,10 @@ def test_a_bridge_that_died_is_followed_by_one_that_goes_on(field):
     (late,) = [event.text for event in field.told if event.kind == "late"]
     assert "the fleet goes on" in late
     assert wait(field.on_track)
-    assert wait(lambda: field.modes() == {"AUTO"}, 60.0)
+    assert wait(lambda: field.modes() == {"AUTO"})
 
 
+@pytest.mark.slow
 def test_a_bridge_that_knows_nothing_of_a_flight_calls_it_home(field):
     """Vehicles that hover in GUIDED are not left to themselves, and everybody is told."""
     field.fly()

@@ -27,8 +27,8 @@ def test_it_goes_on_between_ticks_faster_by_the_speed_up(clock) -> None:
     """But never further than a tick may take, and 0 before the first one."""
     ticked = TickedClock(clock, 10.0)
     assert ticked.now_ns() == 0
-    _tick(clock, 100.0)
     begun_s = time.monotonic()
+    _tick(clock, 100.0)
     readings = [ticked() for _ in range(100)]
     end_s = time.monotonic() + 10 * AHEAD_MAX_S
     while ticked() < 100.0 + 10 * AHEAD_MAX_S:
@@ -56,5 +56,6 @@ def test_it_never_goes_back_when_a_tick_is_behind_what_was_read(clock) -> None:
 def test_real_time_is_read_as_it_is() -> None:
     """Where there is no /clock, the speed-up does not matter."""
     ticked = TickedClock(ROSClock(), 10.0)
-    assert ticked() == pytest.approx(time.time(), abs=5.0)
+    before_s = time.time()
+    assert before_s <= ticked() <= time.time()
     ticked.close()
