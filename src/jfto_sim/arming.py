@@ -11,6 +11,7 @@ from jfto_sim.dialect import ACCEPTED, CRITICAL, FAILED, INFO, UNSUPPORTED, mavl
 from jfto_sim.estimator import Estimator
 from jfto_sim.flight import Flight
 from jfto_sim.mission import items as kinds
+from jfto_sim.mission.fence import Fence
 from jfto_sim.mission.items import Store
 from jfto_sim.modes.mode import ARMABLE, NEEDS_POSITION, Mode, Modes
 
@@ -18,20 +19,25 @@ FORCE = 21196
 _CHECK_PERIOD_S, _FIRST_CHECK_S = 1.0, 0.281
 _SHOW_EVERY_S, _SHOW_AGAIN_S = 30.0, 4.0
 _ARMS_FROM_S = 2.0
+_ANGLE_MAX = (1000.0, 8000.0)
+_FENCE_NEEDS_POSITION = "Fence enabled, need position estimate"
 
 
 @dataclass
 class Arming:
     """Pre-arm checks once a second, arming and disarming.
 
-    `announce` tells the stations a parameter's value.
+    `station_lost` says whether the station's failsafe is in force, `announce` tells the stations a
+    parameter's value.
     """
 
     flight: Flight
     battery: Battery
     estimator: Estimator
     store: Store
+    fence: Fence
     modes: Modes
+    station_lost: Callable[[], bool]
     announce: Callable[[str], None]
     passing: bool = False
     next_s: float = _FIRST_CHECK_S
@@ -70,30 +76,43 @@ class Arming:
 
     def faults(self) -> list[str]:
         """Why the vehicle should not be armed, in the autopilot's order and words."""
+        found = [] if not self.station_lost() else ["GCS failsafe on"]
+        found += self._parameter_faults()
         if not self.estimator.active:
-            return [
-                "Accels inconsistent",
-                "EKF attitude is bad",
-                "AHRS: not using configured AHRS type",
-            ]
-        found = []
+            found += ["Accels inconsistent", "EKF attitude is bad"]
+            if not self.fence.level:
+                return [*found, "AHRS: not using configured AHRS type"]
         if any(self.flight.params[f"SIM_MAG{n}_FAIL"] for n in (1, 2, 3)):
             found.append("Compass not healthy")
-        found += self._battery_faults()
-        if self.modes.current.number in NEEDS_POSITION:
-            if not self.estimator.gps_present:
-                found.append("GPS 1: Bad fix")
-            elif not self.estimator.position_ok:
-                found.append("Need Position Estimate")
-        return found + self._mission_faults()
-
-    def _battery_faults(self) -> list[str]:
-        found = []
-        if self.battery.voltage_v < self.flight.params["BATT_ARM_VOLT"]:
-            found.append("Battery 1 below minimum arming voltage")
+        found += self._position_faults()
+        if self.battery.fault():
+            found.append(f"Battery 1 {self.battery.fault()}")
+        found += self._mission_faults()
         if self.battery.state is not BatteryState.HEALTHY:
-            found += ["Battery 1 low voltage failsafe", "Battery failsafe"]
-        return found
+            found.append("Battery failsafe")
+        if any(i.frame == kinds.TERRAIN for i in self.store.mission):
+            found.append("waiting for terrain data")
+        return [*found, *filter(None, [self.fence.fault()])]
+
+    def _parameter_faults(self) -> list[str]:
+        params = self.flight.params
+        angle = params["ANGLE_MAX"]
+        if not _ANGLE_MAX[0] <= angle <= _ANGLE_MAX[1]:
+            return ["Check ANGLE_MAX"]
+        return ["Check PILOT_SPEED_UP"] if params["PILOT_SPEED_UP"] <= 0 else []
+
+    def _position_faults(self) -> list[str]:
+        """A mode or a fence may need to know where the vehicle is."""
+        moded = self.modes.current.number in NEEDS_POSITION
+        if not moded and not self.fence.level:
+            return []
+        if not self.estimator.gps_present:
+            return ["GPS 1: Bad fix"]
+        if not self.estimator.has_origin:
+            return ["AHRS: waiting for home"]
+        if not self.estimator.position_ok:
+            return ["Need Position Estimate" if moded else _FENCE_NEEDS_POSITION]
+        return []
 
     def _mission_faults(self) -> list[str]:
         found = []
@@ -103,8 +122,6 @@ class Arming:
             found.append("Missing mission item: takeoff")
         if self.modes.current.number is Mode.AUTO and len(mission) <= 1:
             found.append("Mode requires mission")
-        if any(i.frame == kinds.TERRAIN for i in mission):
-            found.append("waiting for terrain data")
         return found
 
     def _arm_disarm(self, c: Command) -> int:

@@ -8,6 +8,7 @@ motor 1 fail | motor 1 mend                   one motor at a fifth of its thrust
 battery 1 10.2                                volts
 wind 1 5 270                                  m/s, degrees it comes from
 drift 1 50                                    clock drift, parts per million
+param 1 FENCE_ALT_MAX 60                      any parameter, as if another station had set it
 reboot 1 | kill 1                             restart; power off
 radio 1 | radio 1 23.5                        power that is set, dBm; set it (-inf: silence)
 radio 1 dead | radio 1 stuck | radio 1 mend   it sends nothing; it obeys no more; it is well again
@@ -73,6 +74,8 @@ def _fault(station: Station, verb: str, rest: list[str], line: str) -> None:
         params.store("SIM_WIND_DIR", _number(rest[1], "wind direction"))
     elif verb == "drift" and len(rest) == 1:
         station.vehicle.clock.drift_ppm = _number(rest[0], "clock drift")
+    elif verb == "param" and len(rest) == 2:
+        station.vehicle.set_parameter(rest[0], _number(rest[1], rest[0]))
     elif verb == "reboot" and not rest:
         station.reboot()
     elif verb == "kill" and not rest:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from jfto_sim.battery import Battery, BatteryState
@@ -14,15 +13,20 @@ from jfto_sim.estimator import (
     Estimator,
 )
 from jfto_sim.flight import Flight
-from jfto_sim.mission.fence import breach
-from jfto_sim.mission.items import Store
+from jfto_sim.mission.fence import Fence
 from jfto_sim.modes.mode import NEEDS_POSITION, Mode, Modes
 from jfto_sim.modes.simple import Land
 from jfto_sim.ports import MessageHandler
 
 CONTINUE_IN_AUTO = 2  # bit of FS_OPTIONS
-_BATTERY_ACTION = {1: Mode.LAND, 2: Mode.RTL, 3: Mode.RTL, 4: Mode.RTL, 7: Mode.BRAKE}
-_FENCE_ACTION = {1: Mode.RTL, 2: Mode.LAND, 3: Mode.RTL, 4: Mode.BRAKE, 5: Mode.RTL}
+# There is no SmartRTL here: who asks for it is brought home by RTL.
+_BATTERY_ACTION = {
+    1: Mode.LAND, 2: Mode.RTL, 3: Mode.RTL, 4: Mode.RTL, 6: Mode.RTL, 7: Mode.BRAKE
+}  # fmt: skip
+_TERMINATE = 5
+_FENCE_ACTION = {2: Mode.LAND, 4: Mode.BRAKE}
+_STATION_ACTION = {5: Mode.LAND, 7: Mode.BRAKE}
+_GIVE_UP_M = 100.0
 _THRUST_LOSS_AFTER_S = 3.9
 
 
@@ -33,10 +37,9 @@ class Failsafes:
     flight: Flight
     battery: Battery
     estimator: Estimator
-    store: Store
+    fence: Fence
     modes: Modes
     land: Land
-    fence_breach: int = 0
     fence_count: int = 0
     fence_time_s: float = 0.0
     _last_heartbeat_s: float | None = None
@@ -51,6 +54,11 @@ class Failsafes:
     def __post_init__(self) -> None:
         self.messages: dict[str, MessageHandler] = {"HEARTBEAT": self._heartbeat}
         self.flight.motors.when_stopped.append(self._motors_stopped)
+
+    @property
+    def station_lost(self) -> bool:
+        """Whether the station's failsafe is in force."""
+        return self._station
 
     @property
     def critical(self) -> bool:
@@ -91,16 +99,29 @@ class Failsafes:
             return
         self._station = True
         if not self.flight.motors.armed:
+            self.flight.ports.text(WARNING, "GCS Failsafe")
+            return
+        if self._stopped_on_ground("GCS"):
             return
         on_mission = self.modes.current.number is Mode.AUTO
         if on_mission and int(params["FS_OPTIONS"]) & CONTINUE_IN_AUTO:
             self.flight.ports.text(WARNING, "GCS Failsafe - Continuing Auto Mode")
             return
         self.flight.ports.text(WARNING, "GCS Failsafe")
-        self._go(Mode.LAND if action == 5 else Mode.RTL)
+        self._go(_STATION_ACTION.get(action, Mode.RTL))
+
+    def _stopped_on_ground(self, what: str) -> bool:
+        """Stop the motors of a vehicle that is not in the air, and say so."""
+        if not self.flight.body.landed or self.modes.current.taking_off:
+            return False
+        self.flight.motors.stop()
+        self.flight.ports.text(WARNING, f"{what} Failsafe - Disarming")
+        return True
 
     def _watch_battery(self) -> None:
         battery = self.battery
+        if not self.flight.motors.armed:
+            return
         found = battery.worsened(self.flight.clock.time_s)
         if found is None:
             return
@@ -111,10 +132,14 @@ class Failsafes:
             f"used {battery.consumed_mah:.0f} mAh",
         )
         name = "BATT_FS_CRT_ACT" if critical else "BATT_FS_LOW_ACT"
-        action = _BATTERY_ACTION.get(int(self.flight.params[name]))
+        if self._stopped_on_ground("Battery"):
+            return
         self.flight.ports.text(WARNING, "Battery Failsafe")
-        if action is not None and self.flight.motors.armed:
-            self._go(action)
+        action = int(self.flight.params[name])
+        if action == _TERMINATE:
+            self.flight.motors.stop()
+        elif action in _BATTERY_ACTION:
+            self._go(_BATTERY_ACTION[action])
 
     def _watch_ekf(self) -> None:
         estimator, now = self.estimator, self.flight.clock.time_s
@@ -156,21 +181,30 @@ class Failsafes:
             self.flight.ports.text(WARNING, "EKF primary changed:0")
 
     def _watch_fence(self) -> None:
-        params, position = self.flight.params, self.flight.position
-        flying = self.flight.motors.armed and not self.flight.body.landed
-        if not params["FENCE_ENABLE"] or not flying:
-            self.fence_breach = 0
+        """A fence that is crossed is known on the ground too; only in flight it has a consequence.
+
+        Each new crossing has it, so one who goes on outside is called back again.
+        """
+        fence, armed = self.fence, self.flight.motors.armed
+        before, new = fence.breached, 0
+        if self.flight.position.known:
+            new = fence.check()
+        if new and not before:
+            self.fence_count += 1
+            self.fence_time_s = self.flight.clock.time_s
+        if not new or not armed:
             return
-        before = self.fence_breach
-        self.fence_breach = breach(params, self.store, position.from_home_m, position.origin)
-        if not self.fence_breach or before:
+        action = int(self.flight.params["FENCE_ACTION"])
+        if self.flight.land.complete:
+            if action:
+                self.flight.motors.stop()
             return
-        self.fence_count += 1
-        self.fence_time_s = self.flight.clock.time_s
         self.flight.ports.text(NOTICE, "Fence Breached")
-        action = _FENCE_ACTION.get(int(params["FENCE_ACTION"]))
-        if action is not None and not math.isnan(position.from_home_m[0]):
-            self._go(action)
+        if not action:
+            return
+        wanted = Mode.LAND if fence.beyond_m > _GIVE_UP_M else _FENCE_ACTION.get(action, Mode.RTL)
+        if not self.modes.set(wanted):
+            self.modes.set(Mode.LAND)
 
     def terrain_missing(self) -> None:
         """An item counts from the terrain, and terrain is switched off."""

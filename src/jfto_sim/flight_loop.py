@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from jfto_sim.battery import Battery
 from jfto_sim.dialect import INFO
 from jfto_sim.flight import Flight
 from jfto_sim.modes.mode import Modes
+from jfto_sim.wind import asked_wind_mps
 
 _LAND_COMPLETE_AFTER_S, _DISARM_AFTER_S = 1.1, 2.1
 _YAW_ALIGNED_ABOVE_M = 1.9
@@ -31,16 +31,15 @@ class FlightLoop:
     @property
     def wind_mps(self) -> tuple[float, float]:
         """Where the air moves to (east, north): the steady wind plus SIM_WIND_*."""
-        params = self.flight.params
-        speed, coming = params["SIM_WIND_SPD"], math.radians(params["SIM_WIND_DIR"])
-        east, north = self.steady_wind_mps
-        return east - speed * math.sin(coming), north - speed * math.cos(coming)
+        east, north = asked_wind_mps(self.flight.params, self.flight.position.from_home_m[2])
+        return self.steady_wind_mps[0] + east, self.steady_wind_mps[1] + north
 
     def step(self, dt_s: float) -> None:
         """Let the flight go on by `dt_s` seconds."""
         body, motors, land = self.flight.body, self.flight.motors, self.flight.land
         armed, was_down = motors.armed, body.landed
-        self.battery.draw(armed=armed, flying=not was_down, dt_s=dt_s)
+        thrust = body.thrust if armed and not was_down else 0.0
+        self.battery.draw(armed=armed, thrust=thrust, dt_s=dt_s)
         self.flight.position.stir_noise(dt_s)
         if armed and not was_down:
             self._fly(0.5 * dt_s)

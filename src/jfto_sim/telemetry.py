@@ -93,7 +93,7 @@ class Telemetry:
         enabled |= origin
         health = (present & ~0x18200000) | origin
         health |= _PREARM if self.arming.passing else 0
-        if self.failsafes.fence_breach:
+        if self.failsafes.fence.breached:
             health &= ~_FENCE
         if battery.state > BatteryState.HEALTHY:
             health &= ~_BATTERY
@@ -142,9 +142,9 @@ class Telemetry:
     def fence_status(self) -> Message:
         """The last breach and how many there were."""
         f = self.failsafes
-        breach_type = {1: 2, 2: 3, 4: 3, 8: 1}.get(f.fence_breach, 0)
+        breach_type = {1: 2, 2: 3, 4: 3, 8: 1}.get(f.fence.breached, 0)
         return mavlink.MAVLink_fence_status_message(
-            1 if f.fence_breach else 0, f.fence_count, breach_type, int(f.fence_time_s * 1000), 1
+            1 if f.fence.breached else 0, f.fence_count, breach_type, int(f.fence_time_s * 1000), 1
         )
 
     def mission_current(self) -> Message:

@@ -11,6 +11,7 @@ import math
 from collections import deque
 from typing import Protocol
 
+from jfto_msgs_py.errors import InputError
 from jfto_sim.arming import Arming
 from jfto_sim.battery import Battery
 from jfto_sim.boot import Boot
@@ -23,13 +24,15 @@ from jfto_sim.estimator import Estimator
 from jfto_sim.failsafe import Failsafes
 from jfto_sim.flight import Flight, LandDetector, Motors
 from jfto_sim.flight_loop import FlightLoop
+from jfto_sim.mission.fence import Fence
 from jfto_sim.mission.items import Store
 from jfto_sim.mission.protocol import MissionProtocol
 from jfto_sim.modes.auto import Auto
 from jfto_sim.modes.flight_commands import FlightCommands
 from jfto_sim.modes.guided import Guided
 from jfto_sim.modes.mode import FlightMode, Mode, Modes
-from jfto_sim.modes.simple import Brake, Land, Loiter, Manual, Rtl
+from jfto_sim.modes.rtl import Rtl
+from jfto_sim.modes.simple import Brake, Land, Loiter, Manual
 from jfto_sim.motion.body import Body
 from jfto_sim.motion.heading import Heading
 from jfto_sim.motion.limits import Limits
@@ -99,6 +102,7 @@ class Vehicle:
         self.battery = Battery(self.params)
         self.estimator = Estimator(self.params, self.clock)
         self.flight = self._make_flight()
+        self.fence = Fence(self.params, self.store, self.flight.position)
         self._make_modes()
         self._make_conversations()
 
@@ -123,16 +127,18 @@ class Vehicle:
         """Flight modes, what steps them and what changes them."""
         flight, battery, estimator = self.flight, self.battery, self.estimator
         self.camera = Camera(flight)
-        self.auto = Auto(flight, self.store, self.camera, self._terrain_missing)
-        self.guided, land = Guided(flight), Land(flight)
+        self.auto = Auto(flight, self.store, self.fence, self.camera, self._terrain_missing)
+        self.guided, land = Guided(flight, self.fence), Land(flight)
         manual = (Manual(flight, Mode.STABILIZE), Manual(flight, Mode.ALT_HOLD))
-        modes = (*manual, self.auto, self.guided, Loiter(flight), Rtl(flight), land, Brake(flight))
+        rtl = Rtl(flight, self.fence)
+        modes = (*manual, self.auto, self.guided, rtl, Loiter(flight), land, Brake(flight))
         self.modes = Modes(modes, flight, estimator, self._announce_mode)
         self.loop = FlightLoop(flight, battery, self.modes, self.config.wind_mps)
+        self.failsafes = Failsafes(flight, battery, estimator, self.fence, self.modes, land)
         self.arming = Arming(
-            flight, battery, estimator, self.store, self.modes, self.parameters.announce
-        )
-        self.failsafes = Failsafes(flight, battery, estimator, self.store, self.modes, land)
+            flight, battery, estimator, self.store, self.fence, self.modes,
+            lambda: self.failsafes.station_lost, self.parameters.announce,
+        )  # fmt: skip
 
     def _make_conversations(self) -> None:
         """What is sent unasked, and who answers which message."""
@@ -157,7 +163,10 @@ class Vehicle:
             flight.position.commands,
             self._streams.commands,
             flying.commands,
-            {mavlink.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN: self._do_reboot},
+            {
+                mavlink.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN: self._do_reboot,
+                mavlink.MAV_CMD_DO_FENCE_ENABLE: self._do_fence,
+            },
         )
         self._timed: tuple[Timed, ...] = (boot, self.arming, self.parameters, self.mission_protocol)
         self._handlers: dict[str, MessageHandler] = {
@@ -283,12 +292,22 @@ class Vehicle:
     def _terrain_missing(self) -> None:
         self.failsafes.terrain_missing()
 
+    def set_parameter(self, name: str, value: float) -> None:
+        """Set a parameter as another station would; raises InputError for an unknown name."""
+        if name not in self.params:
+            raise InputError(f"{name} is not a parameter of ArduCopter 4.5.5.")
+        self.parameters.store_and_announce(name, value)
+        self._parameter_changed(name)
+
     def _parameter_changed(self, name: str) -> None:
         """A station wrote a parameter: speeds act at once."""
         if name.startswith(_LIMITS_OF):
             self.flight.limits.reread()
             if self.auto.active:
                 self.auto.nav_items.refresh_limits()
+
+    def _do_fence(self, c: Command) -> int:
+        return ACCEPTED if self.fence.switch(c.p[0]) else FAILED
 
     # --- power ---
 

@@ -112,9 +112,10 @@ def test_circle_fence():
 
 def test_polygon_fence_and_ceiling():
     """Uploaded figures count when FENCE_TYPE says so, and so does FENCE_ALT_MAX."""
-    pilot = flying(FENCE_ENABLE=1, FENCE_TYPE=4)
+    pilot = flying(FENCE_TYPE=4)
     corners = [move(*ORIGIN, e, n) for e, n in ((-50, -50), (50, -50), (50, 60), (-50, 60))]
     pilot.upload([Item(5001, 0, (4, 0, 0, 0), *corner) for corner in corners], 1)
+    pilot.set_parameter("FENCE_ENABLE", 1)
     pilot.wait(lambda x: x.get_type() == "STATUSTEXT" and x.text == "Fence Breached", 30.0)
     assert pilot.vehicle.body.position_m[1] == pytest.approx(60.0, abs=2.0)
     high = flying(FENCE_TYPE=1, FENCE_ALT_MAX=14)

@@ -10,6 +10,7 @@ from jfto_sim import LinkFaults, Vehicle, VehicleConfig
 from jfto_sim.control import apply
 from jfto_sim.faults import LossyPipe
 from jfto_sim.server import Station
+from jfto_sim.wind import asked_wind_mps
 
 
 def through(faults, count=2000, seed=1, spacing_s=0.01):
@@ -79,6 +80,14 @@ def stations():
     return {1: station}
 
 
+def test_a_line_sets_any_parameter(stations):
+    """As another station would: in force at once, and nobody invents one."""
+    apply(stations, "param 1 WPNAV_SPEED 300")
+    assert stations[1].vehicle.flight.limits.wpnav.speed_mps == pytest.approx(3.0)
+    with pytest.raises(InputError, match="FENCE_HEIGHT is not a parameter"):
+        apply(stations, "param 1 FENCE_HEIGHT 60")
+
+
 def test_lines_reach_the_vehicle(stations):
     """Each line does what it says."""
     vehicle = stations[1].vehicle
@@ -87,7 +96,7 @@ def test_lines_reach_the_vehicle(stations):
     assert vehicle.params["SIM_GPS_DISABLE"] == 1
     assert vehicle.params["SIM_ENGINE_MUL"] == pytest.approx(0.2)
     assert vehicle.battery.voltage_v == pytest.approx(10.2)
-    assert vehicle.loop.wind_mps == pytest.approx((5.0, 0.0))
+    assert asked_wind_mps(vehicle.params, 60.0) == pytest.approx((5.0, 0.0))
     assert vehicle.clock.drift_ppm == 50
     apply(stations, "reboot 1")
     assert vehicle.boots == 2

@@ -6,6 +6,7 @@ itself behind a socket, simulated or real. A test that asks neither for `vehicle
 
 from __future__ import annotations
 
+import math
 import select
 import socket
 import time
@@ -173,10 +174,23 @@ class Pilot:
             items.append(self.wait_type("MISSION_ITEM_INT").message)
         return items
 
+    def watch(self) -> None:
+        """Ask for what `height_m`, `place_m` and `battery` go by."""
+        for name in ("GLOBAL_POSITION_INT", "LOCAL_POSITION_NED", "SYS_STATUS"):
+            self.every(getattr(mavlink, f"MAVLINK_MSG_ID_{name}"), 0.2)
+
+    def order(self, number: int, *params: float) -> None:
+        """A command that must be accepted; raises PilotError where it is not."""
+        result = self.command(number, *params)
+        if result != mavlink.MAV_RESULT_ACCEPTED:
+            raise PilotError(
+                f"Command {number} {params} was answered {result}: {self.texts()[-5:]}"
+            )
+
     def take_off(self, height_m: float) -> None:
         """GUIDED, arm, climb and settle."""
         self.ready()
-        self.every(mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT, 0.2)
+        self.watch()
         for number, params in ((176, (1, 4)), (400, (1,)), (22, (0, 0, 0, 0, 0, 0, height_m))):
             if self.command(number, *params) != 0:
                 raise PilotError(f"Command {number} was refused before the takeoff.")
@@ -211,6 +225,27 @@ class Pilot:
     def height_m(self) -> float:
         """Metres above home."""
         return float(self.last("GLOBAL_POSITION_INT").relative_alt) / 1000.0
+
+    @property
+    def place_m(self) -> tuple[float, float]:
+        """Metres east and north of where it powered up."""
+        place = self.last("LOCAL_POSITION_NED")
+        return float(place.y), float(place.x)
+
+    @property
+    def speed_mps(self) -> float:
+        """Over the ground."""
+        moving = self.last("LOCAL_POSITION_NED")
+        return math.hypot(moving.vx, moving.vy)
+
+    @property
+    def charge_percent(self) -> int:
+        """What the vehicle believes is left in its battery."""
+        return int(self.last("SYS_STATUS").battery_remaining)
+
+    def wait_until(self, what: Callable[[], bool], limit_s: float) -> None:
+        """Run until something is so, looked at with each position; raises PilotError."""
+        self.wait(lambda m: m.get_type() == "GLOBAL_POSITION_INT" and what(), limit_s)
 
     def wait_mode(self, number: int, limit_s: float = 5.0) -> None:
         """Run until a heartbeat shows a flight mode."""

@@ -131,7 +131,7 @@ def vehicles(tmp_path: Path) -> Iterator[Starter]:
 
 @pytest.fixture
 def pilots(vehicles: Starter) -> Callable[..., Pilot]:
-    """Starts one vehicle with the parameters named and puts a pilot on it.
+    """Starts one vehicle with the parameters named and puts a pilot on its second port.
 
     The simulated one runs in simulated time, as fast as it can.
     """
@@ -140,7 +140,7 @@ def pilots(vehicles: Starter) -> Callable[..., Pilot]:
         config = config or VehicleConfig()
         config = replace(config, parameters={**config.parameters, **parameters})
         if binary() is None:
-            return Pilot(Vehicle(config))
+            return Pilot(Vehicle(config), port=1)
         return vehicles([config]).pilot(1)
 
     return start

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, field
 
-from jfto_sim.geodesy import offset_m
 from jfto_sim.mission.items import FENCE, Item, Store
 from jfto_sim.parameters import Parameters
+from jfto_sim.position import Position
 
 POLYGON_IN, POLYGON_OUT, CIRCLE_IN, CIRCLE_OUT, RETURN_POINT = 5001, 5002, 5003, 5004, 5000
 _CORNERS_MIN, _CORNERS_MAX = 3, 255
 ALT_MAX, CIRCLE, POLYGON, ALT_MIN = 1, 2, 4, 8
+_AGAIN_M, _LOWEST_M, _FLOOR_OFF = 20.0, -100.0, 2.0
 
 
 def fence_fault(items: list[Item]) -> str:
@@ -37,50 +39,131 @@ def fence_size(items: list[Item]) -> int:
     return len(items) + 2 * round(polygons)
 
 
-def breach(
-    params: Parameters,
-    store: Store,
-    from_home_m: tuple[float, float, float],
-    origin: tuple[int, int],
-) -> int:
-    """Bit mask of the fences crossed: 1 ceiling, 2 circle, 4 figures, 8 floor.
+@dataclass
+class Fence:
+    """The vehicle's fences: what they forbid, and which of them is crossed (`breached`, a mask).
 
-    `from_home_m` is (east, north, up) of home; `origin` is home in 1e-7 degree.
+    `floor` says whether the floor is watched: only once a station or a mission has switched the
+    fence on by command, and then until it is switched off.
     """
-    enabled = int(params["FENCE_TYPE"])
-    east, north, up = from_home_m
-    found = 0
-    if enabled & ALT_MAX and up >= params["FENCE_ALT_MAX"]:
-        found |= ALT_MAX
-    if enabled & ALT_MIN and up <= params["FENCE_ALT_MIN"]:
-        found |= ALT_MIN
-    if enabled & CIRCLE and math.hypot(east, north) >= params["FENCE_RADIUS"]:
-        found |= CIRCLE
-    if enabled & POLYGON and _outside_figures(store, (east, north), origin):
-        found |= POLYGON
-    return found
 
+    params: Parameters
+    store: Store
+    position: Position
+    floor: bool = False
+    breached: int = 0
+    beyond_m: float = 0.0
+    _again_at_m: dict[int, float] = field(default_factory=dict)
 
-def _outside_figures(store: Store, at_m: tuple[float, float], origin: tuple[int, int]) -> bool:
-    items = store.lists[FENCE]
-    k = 0
-    while k < len(items):
-        item = items[k]
-        east, north = offset_m(*origin, item.x, item.y)
-        if item.command in (CIRCLE_IN, CIRCLE_OUT):
-            inside = math.hypot(at_m[0] - east, at_m[1] - north) <= item.params[0]
-            if inside != (item.command == CIRCLE_IN):
-                return True
-            k += 1
-        elif item.command in (POLYGON_IN, POLYGON_OUT):
-            size = int(item.params[0])
-            corners = [offset_m(*origin, i.x, i.y) for i in items[k : k + size]]
-            if _inside(at_m, corners) != (item.command == POLYGON_IN):
-                return True
+    @property
+    def enabled(self) -> int:
+        """Mask of the fences that count, 0 where the fence is off."""
+        return int(self.params["FENCE_TYPE"]) if self.params["FENCE_ENABLE"] else 0
+
+    @property
+    def level(self) -> bool:
+        """Whether a fence counts that needs a place on the globe."""
+        return bool(self.enabled & (CIRCLE | POLYGON))
+
+    @property
+    def ceiling_m(self) -> float:
+        """Height above home that the autopilot keeps on its own ways; infinite without ceiling."""
+        if not self.enabled & ALT_MAX:
+            return math.inf
+        return self.params["FENCE_ALT_MAX"] - self.params["FENCE_MARGIN"]
+
+    def switch(self, order: float) -> bool:
+        """DO_FENCE_ENABLE: 0 off, 1 on with its floor, 2 the floor off; false for other orders."""
+        if order in (0.0, 1.0):
+            self.params.store("FENCE_ENABLE", order)
+        elif order != _FLOOR_OFF:
+            return False
+        self.floor = order == 1.0
+        return True
+
+    def allows(self, place_m: tuple[float, float, float]) -> bool:
+        """Whether GUIDED may be sent to metres east, north, up of the power-up point."""
+        p, home = self.params, self.position.home_m
+        level = (place_m[0] - home[0], place_m[1] - home[1])
+        up = place_m[2] - home[2]
+        if self.enabled & ALT_MAX and up > p["FENCE_ALT_MAX"]:
+            return False
+        if self.enabled & ALT_MIN and up < p["FENCE_ALT_MIN"]:
+            return False
+        if self.enabled & CIRCLE and math.hypot(*level) > p["FENCE_RADIUS"]:
+            return False
+        return not (self.enabled & POLYGON and self._outside_figures(place_m))
+
+    def check(self) -> int:
+        """Look where the vehicle is; the mask of fences newly crossed.
+
+        A ceiling, floor or circle is crossed anew every 20 m farther out.
+        """
+        p, enabled = self.params, self.enabled
+        east, north, up = self.position.from_home_m
+        beyond = {
+            ALT_MAX: up - p["FENCE_ALT_MAX"],
+            ALT_MIN: p["FENCE_ALT_MIN"] - up if self.floor else -math.inf,
+            CIRCLE: math.hypot(east, north) - p["FENCE_RADIUS"],
+            POLYGON: -math.inf,
+        }
+        if enabled & POLYGON and self._outside_figures(self.position.body.position_m):
+            beyond[POLYGON] = 0.0
+        new = 0
+        for kind, metres in beyond.items():
+            if not enabled & kind or metres < 0:
+                self.breached &= ~kind
+                self._again_at_m.pop(kind, None)
+            elif not self.breached & kind or metres >= self._again_at_m[kind]:
+                self.breached |= kind
+                self._again_at_m[kind] = metres + _AGAIN_M if kind != POLYGON else math.inf
+                new |= kind
+        self.beyond_m = max((m for kind, m in beyond.items() if new & kind), default=0.0)
+        return new
+
+    def fault(self) -> str:
+        """Why the vehicle may not be armed, in the autopilot's words; empty if it may."""
+        p, enabled = self.params, self.enabled
+        if p["FENCE_ENABLE"] and not self._present:
+            return "Fences enabled, but none selected"
+        margin, low, high = p["FENCE_MARGIN"], p["FENCE_ALT_MIN"], p["FENCE_ALT_MAX"]
+        wrong = (
+            (self.level and not self.position.known, "Fence requires position"),
+            (p["FENCE_RADIUS"] < 0, "Invalid FENCE_RADIUS value"),
+            (p["FENCE_RADIUS"] < margin, "FENCE_MARGIN is less than FENCE_RADIUS"),
+            (high < 0, "Invalid FENCE_ALT_MAX value"),
+            (low < _LOWEST_M, "Invalid FENCE_ALT_MIN value"),
+            (self.breached, "vehicle outside fence"),
+            (margin < 0, "Invalid FENCE_MARGIN value"),
+            (high < low, "FENCE_ALT_MAX < FENCE_ALT_MIN"),
+            (high - low <= 2.0 * margin, "FENCE_MARGIN too big"),
+        )
+        return next((text for is_so, text in wrong if is_so), "") if enabled else ""
+
+    @property
+    def _present(self) -> bool:
+        kinds = int(self.params["FENCE_TYPE"])
+        figures = kinds & POLYGON and self.store.lists[FENCE]
+        return bool(kinds & (ALT_MAX | ALT_MIN | CIRCLE) or figures)
+
+    def _outside_figures(self, place_m: tuple[float, float, float]) -> bool:
+        """Outside one of the figures to be inside of, or inside of one to keep out of."""
+        items = self.store.lists[FENCE]
+        k = 0
+        while k < len(items):
+            item = items[k]
+            size = int(item.params[0]) if item.command in (POLYGON_IN, POLYGON_OUT) else 1
+            corners = [self.position.local_m(i.x, i.y) for i in items[k : k + size]]
             k += size
-        else:
-            k += 1
-    return False
+            if item.command in (CIRCLE_IN, CIRCLE_OUT):
+                inside = math.dist(place_m[:2], corners[0]) <= item.params[0]
+            elif item.command in (POLYGON_IN, POLYGON_OUT):
+                inside = _inside(place_m[:2], corners)
+            else:
+                continue
+            if inside == (item.command in (POLYGON_OUT, CIRCLE_OUT)):
+                return True
+        return False
 
 
 def _inside(at_m: tuple[float, float], corners: list[tuple[float, float]]) -> bool:

@@ -8,6 +8,7 @@ from jfto_sim.camera import Camera
 from jfto_sim.dialect import CRITICAL, Message, mavlink
 from jfto_sim.flight import Flight
 from jfto_sim.mission import items as kinds
+from jfto_sim.mission.fence import Fence
 from jfto_sim.mission.items import MISSION, Item, Store
 from jfto_sim.mission.runner import MissionRunner, RunState
 from jfto_sim.modes.auto_items import TAKEOFFS, DoItems, NavItems, Phase
@@ -26,13 +27,15 @@ class Auto(FlightMode):
         self,
         flight: Flight,
         store: Store,
+        fence: Fence,
         camera: Camera,
         terrain_missing: Callable[[], None],
     ) -> None:
         super().__init__(flight)
         self.runner = MissionRunner(store, self, flight.ports)
-        self.nav_items = NavItems(flight, self.runner.next_nav_after, terrain_missing)
-        self.do_items = DoItems(flight, camera, self.nav_items.nav, self.nav_items.change_speed)
+        self.nav_items = NavItems(flight, fence, self.runner.next_nav_after, terrain_missing)
+        nav, change_speed = self.nav_items.nav, self.nav_items.change_speed
+        self.do_items = DoItems(flight, fence, camera, nav, change_speed)
         self._store = store
         self._camera = camera
         self._may_lift = False

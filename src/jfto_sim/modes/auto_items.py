@@ -10,9 +10,11 @@ from jfto_sim.camera import Camera
 from jfto_sim.dialect import INFO
 from jfto_sim.flight import Flight
 from jfto_sim.mission import items as kinds
+from jfto_sim.mission.fence import Fence
 from jfto_sim.mission.items import Item
 from jfto_sim.modes.mode import Takeoff
-from jfto_sim.modes.simple import Land, Rtl
+from jfto_sim.modes.rtl import Rtl
+from jfto_sim.modes.simple import Land
 from jfto_sim.motion.waypoint_nav import WaypointNav
 from jfto_world.motion.arducopter.wpnav import WpNav
 
@@ -48,6 +50,7 @@ class NavItems:
     def __init__(
         self,
         flight: Flight,
+        fence: Fence,
         following: Callable[[int], tuple[int, Item] | None],
         terrain_missing: Callable[[], None],
     ) -> None:
@@ -59,7 +62,7 @@ class NavItems:
         self._terrain_missing = terrain_missing
         self._takeoff = Takeoff(flight)
         self._land = Land(flight)
-        self._rtl = Rtl(flight)
+        self._rtl = Rtl(flight, fence)
         self._hold_s = 0.0
         self._hold_since_s: float | None = None
         self._delay_until_s = 0.0
@@ -210,6 +213,7 @@ class DoItems:
     """
 
     flight: Flight
+    fence: Fence
     camera: Camera
     nav: WaypointNav
     change_speed: Callable[[float, int], None]
@@ -238,7 +242,7 @@ class DoItems:
         elif command == kinds.SET_HOME:
             flight.position.set_home(item.x, item.y, item.z_m)
         elif command == kinds.FENCE_ENABLE:
-            flight.params.store("FENCE_ENABLE", p[0])
+            self.fence.switch(p[0])
 
     def look_at(self, lat: int, lon: int) -> None:
         """Point the nose at a place (1e-7 degree) from now on."""

@@ -105,8 +105,8 @@ class FlightCommands:
         height = position.height_of(c.z, c.frame)
         if height is None or not (c.x or c.y):
             return DENIED
-        self.guided.aim((*position.local_m(c.x, c.y), height), None, None)
-        return ACCEPTED
+        taken = self.guided.aim((*position.local_m(c.x, c.y), height), None, None)
+        return ACCEPTED if taken else FAILED
 
     def _look_at(self, c: Command) -> int:
         self.auto.do_items.look_at(c.x, c.y)

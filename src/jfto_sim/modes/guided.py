@@ -7,6 +7,7 @@ from enum import Enum
 
 from jfto_sim.dialect import Message
 from jfto_sim.flight import Flight
+from jfto_sim.mission.fence import Fence
 from jfto_sim.modes.mode import FlightMode, Mode, Mover, Takeoff
 from jfto_sim.motion.heading import YawMode
 from jfto_sim.motion.waypoint_nav import WaypointNav
@@ -33,12 +34,16 @@ class Goal(Enum):
 
 
 class Guided(FlightMode):
-    """Follows targets; after GUID_TIMEOUT without one, a moving target comes to rest."""
+    """Follows targets; after GUID_TIMEOUT without one, a moving target comes to rest.
+
+    A place that `fence` forbids is not flown to: the target before it stays in force.
+    """
 
     number = Mode.GUIDED
 
-    def __init__(self, flight: Flight) -> None:
+    def __init__(self, flight: Flight, fence: Fence) -> None:
         super().__init__(flight)
+        self._fence = fence
         self.accel = [0.0, 0.0, 0.0]
         self._mover = Mover(flight)
         self._takeoff = Takeoff(flight)
@@ -77,8 +82,13 @@ class Guided(FlightMode):
         self._goal = Goal.TAKEOFF
         self._takeoff.start(height_m)
 
-    def aim(self, position: Vector | None, velocity: Vector | None, accel: Vector | None) -> None:
-        """Take a new target; None for a part that the station left out."""
+    def aim(self, position: Vector | None, velocity: Vector | None, accel: Vector | None) -> bool:
+        """Take a new target; None for a part that the station left out. False: the fence forbids.
+
+        A velocity alone is never refused.
+        """
+        if position is not None and not self._fence.allows(position):
+            return False
         before = self._goal
         if position is not None:
             moving = velocity is not None or accel is not None
@@ -96,10 +106,11 @@ class Guided(FlightMode):
         self.accel = list(accel or (0.0, 0.0, 0.0))
         if self.flight.heading.mode is YawMode.HOLD:
             self.flight.heading.follow_track()
+        return True
 
     def _fly_to(self, position: Vector | None) -> None:
         """GUID_OPTIONS 64: one goal by the waypoint planner, which every new goal restarts."""
-        if position is None:
+        if position is None or not self._fence.allows(position):
             return
         self._goal = Goal.WAYPOINT
         self._nav.start(self.flight.limits.wpnav)

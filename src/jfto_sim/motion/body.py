@@ -28,6 +28,7 @@ _INTO_SLOPE_M = 1.0  # deeper than this it has flown into rising ground, climbin
 class Body:
     """State of the airframe in metres east, north, up of home, and its heading.
 
+    `thrust` is what its rotors give, in weights: more in a climb, a turn or a strong wind.
     `target` is (3, 3): position, velocity and acceleration asked for. `landed` means that it
     stands on the ground: `ground` gives its height at metres east and north of the power-up point;
     without it the ground is flat at that point's height.
@@ -49,6 +50,7 @@ class Body:
         self.failed = False
         self.failed_for_s = 0.0
         self.hit_ground_mps = 0.0
+        self.thrust = 0.0
         self._parameters = follower_parameters(WpNav(), airframe)
 
     def configure(self, wpnav: WpNav) -> None:
@@ -108,8 +110,10 @@ class Body:
         if self.failed:
             self._fall(dt_s)
         else:
+            climb_mps = float(self.state[5])
             clock_step(self.state, self.target, self._parameters, dt_s)
             follow_step(self.state, self.target, self._parameters, wind_mps[0], wind_mps[1], dt_s)
+            self._note_thrust(wind_mps, (float(self.state[5]) - climb_mps) / dt_s)
         floor_m = 0.0
         if self._ground is not None:
             floor_m = self._ground(float(self.state[0]), float(self.state[1]))
@@ -119,6 +123,25 @@ class Body:
             self.state[2] = floor_m
             self.rest()
             self.landed = True
+
+    def _note_thrust(self, wind_mps: tuple[float, float], climb_mps2: float) -> None:
+        """Weight, drag and acceleration along the vertical, carried by a tilted thrust.
+
+        Drag ahead of the tilted body carries part of the weight, that along its axis adds to it.
+        """
+        frame, (vx, vy, vz) = self.airframe, self.velocity_mps
+        lean_e, lean_n = float(self.state[THRUST]), float(self.state[THRUST + 1])
+        lean = math.hypot(lean_e, lean_n)
+        size = math.hypot(lean, GRAVITY_MPS2)
+        sine, cosine = lean / size, GRAVITY_MPS2 / size
+        # speed through the air in the direction of the lean
+        air = ((vx - wind_mps[0]) * lean_e + (vy - wind_mps[1]) * lean_n) / max(lean, 1e-9)
+        ahead, axial = air * cosine - vz * sine, air * sine + vz * cosine
+        drag_ahead, drag_axial = (
+            v * (frame.drag_linear_1ps + frame.drag_quadratic_1pm * abs(v)) for v in (ahead, axial)
+        )
+        carried = GRAVITY_MPS2 + climb_mps2 - drag_ahead * sine + drag_axial * cosine
+        self.thrust = max(0.0, carried / cosine / GRAVITY_MPS2)
 
     def _fall(self, dt_s: float) -> None:
         self.failed_for_s += dt_s

@@ -1,0 +1,350 @@
+"""What a real vehicle refuses, and does by itself: the same on `jfto_sim` and on ArduCopter."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+
+from jfto_sim.config import VehicleConfig, fleet
+from jfto_sim.dialect import mavlink as m
+from jfto_sim.geodesy import move
+from jfto_sim.mission.items import Item
+from support.pilot import Pilot
+from support.vehicles import Starter
+
+ORIGIN = VehicleConfig().home_units
+GUIDED, AUTO, RTL, LAND = 4, 3, 6, 9
+Start = Callable[..., Pilot]
+
+
+def waypoint(east_m: float, north_m: float, up_m: float) -> Item:
+    lat, lon = move(*ORIGIN, east_m, north_m)
+    return Item(16, 3, x=lat, y=lon, z_m=up_m)
+
+
+def fly_mission(pilot: Pilot, *places: tuple[float, float, float]) -> None:
+    """From the air, through places east, north, up of home."""
+    home = Item(16, 0, x=ORIGIN[0], y=ORIGIN[1])
+    assert pilot.upload([home, *(waypoint(*place) for place in places)]) == 0
+    pilot.order(300)
+
+
+def refused_with(pilot: Pilot) -> list[str]:
+    """What an attempt to arm is answered by, in GUIDED; the motors must stay off."""
+    pilot.order(176, 1, GUIDED)
+    first = len(pilot.texts())
+    assert pilot.command(400, 1) == m.MAV_RESULT_FAILED
+    pilot.run(0.5)
+    assert not pilot.armed
+    return [text for text in pilot.texts()[first:] if text.startswith("Arm: ")]
+
+
+# --- fences ---
+
+
+def test_a_ceiling_turns_a_mission_home(pilots: Start):
+    """FENCE_ALT_MAX: breached at its height, RTL, and the way home stays below it."""
+    pilot = pilots(FENCE_ENABLE=1, FENCE_TYPE=1, FENCE_ALT_MAX=30)
+    pilot.take_off(15.0)
+    pilot.every(m.MAVLINK_MSG_ID_FENCE_STATUS, 0.2)
+    fly_mission(pilot, (0.0, 40.0, 60.0), (0.0, 80.0, 60.0))
+    pilot.wait_text("Fence Breached", 60.0)
+    assert pilot.height_m == pytest.approx(30.0, abs=2.0)
+    pilot.wait_mode(RTL)
+    assert any(
+        h.message.breach_status == 1 and h.message.breach_type == m.FENCE_BREACH_MAXALT
+        for h in pilot.heard
+        if h.message.get_type() == "FENCE_STATUS"
+    )
+    first = len(pilot.heard)
+    pilot.wait_until(lambda: pilot.height_m < 5.0, 120.0)
+    heights = [
+        h.message.relative_alt / 1000
+        for h in pilot.heard[first:]
+        if h.message.get_type() == "GLOBAL_POSITION_INT"
+    ]
+    assert max(heights) < 34.0
+
+
+def test_a_circle_turns_a_mission_home_and_calls_back_who_goes_on(pilots: Start):
+    """FENCE_RADIUS: RTL at once; back to AUTO outside is allowed until 20 m farther out."""
+    pilot = pilots(FENCE_ENABLE=1, FENCE_TYPE=2, FENCE_RADIUS=40)
+    pilot.take_off(15.0)
+    fly_mission(pilot, (0.0, 300.0, 15.0))
+    pilot.wait_text("Fence Breached", 60.0)
+    assert math.hypot(*pilot.place_m) == pytest.approx(41.0, abs=3.0)
+    pilot.wait_mode(RTL)
+    pilot.order(176, 1, AUTO)
+    pilot.wait_text("Fence Breached", 60.0)
+    assert math.hypot(*pilot.place_m) == pytest.approx(63.0, abs=5.0)
+    pilot.wait_mode(RTL)
+
+
+def test_a_fence_can_only_report(pilots: Start):
+    """FENCE_ACTION 0: a text, and the mission goes on."""
+    pilot = pilots(FENCE_ENABLE=1, FENCE_TYPE=2, FENCE_RADIUS=40, FENCE_ACTION=0)
+    pilot.take_off(15.0)
+    fly_mission(pilot, (0.0, 100.0, 15.0))
+    pilot.wait_text("Fence Breached", 60.0)
+    pilot.wait_text("Reached command #1", 60.0)
+    assert pilot.mode == AUTO
+
+
+def test_figures_count_once_they_are_stored(pilots: Start):
+    """A polygon to stay in, a circle to stay out of: crossing either brings the vehicle home."""
+    pilot = pilots(FENCE_TYPE=4)
+    pilot.take_off(15.0)
+    corners = [move(*ORIGIN, e, n) for e, n in ((-90, -90), (90, -90), (90, 90), (-90, 90))]
+    keep_out = Item(5004, 0, (20.0, 0, 0, 0), *move(*ORIGIN, 0.0, 60.0))
+    figures = [Item(5001, 0, (4, 0, 0, 0), *corner) for corner in corners]
+    assert pilot.upload([*figures, keep_out], 1) == 0
+    pilot.set_parameter("FENCE_ENABLE", 1)
+    fly_mission(pilot, (70.0, 0.0, 15.0), (0.0, 60.0, 15.0))
+    pilot.wait_text("Reached command #1", 60.0)
+    pilot.wait_text("Fence Breached", 60.0)
+    east, north = pilot.place_m
+    assert math.hypot(east, north - 60.0) == pytest.approx(19.0, abs=3.0)
+    pilot.wait_mode(RTL)
+
+
+def test_guided_is_not_sent_beyond_a_fence(pilots: Start):
+    """DO_REPOSITION outside fails, a streamed place outside is not flown to; inside both are."""
+    pilot = pilots(FENCE_ENABLE=1, FENCE_TYPE=3, FENCE_RADIUS=60, FENCE_ALT_MAX=40)
+    pilot.take_off(15.0)
+
+    def go(east_m: float, north_m: float, up_m: float) -> int:
+        lat, lon = move(*ORIGIN, east_m, north_m)
+        pilot.send(
+            m.MAVLink_command_int_message(
+                pilot.sysid, 1, 6, m.MAV_CMD_DO_REPOSITION, 0, 0, -1, 0, 0, 0, lat, lon, up_m
+            )
+        )
+        ack = pilot.wait(lambda x: x.get_type() == "COMMAND_ACK" and x.command == 192)
+        return int(ack.message.result)
+
+    assert go(0.0, 100.0, 15.0) == m.MAV_RESULT_FAILED
+    assert go(0.0, 20.0, 50.0) == m.MAV_RESULT_FAILED
+    for _ in range(30):
+        pilot.send(
+            m.MAVLink_set_position_target_local_ned_message(
+                0, pilot.sysid, 1, 1, 0xDF8, 100.0, 0.0, -15.0, 0, 0, 0, 0, 0, 0, 0, 0
+            )
+        )
+        pilot.run(0.1)
+    assert math.hypot(*pilot.place_m) < 2.0
+    assert go(0.0, 20.0, 15.0) == m.MAV_RESULT_ACCEPTED
+    pilot.wait_until(lambda: pilot.place_m[1] > 18.0, 30.0)
+
+
+@pytest.mark.parametrize(("parameters", "words"), [
+    ({"FENCE_RADIUS": 1.0}, "FENCE_MARGIN is less than FENCE_RADIUS"),
+    ({"FENCE_ALT_MAX": -5.0}, "Invalid FENCE_ALT_MAX value"),
+    ({"FENCE_ALT_MAX": 1.0, "FENCE_ALT_MIN": 0.0}, "FENCE_MARGIN too big"),
+    ({"FENCE_TYPE": 4}, "Fences enabled, but none selected"),
+    ({"ANGLE_MAX": 900}, "Check ANGLE_MAX"),
+    ({"BATT_ARM_VOLT": 13.0}, "Battery 1 below minimum arming voltage"),
+    ({"BATT_ARM_MAH": 4000}, "Battery 1 below minimum arming capacity"),
+    ({"BATT_LOW_VOLT": 10.0, "BATT_CRT_VOLT": 10.5},
+     "Battery 1 voltage failsafe critical >= low"),
+])  # fmt: skip
+def test_what_is_set_wrongly_keeps_it_on_the_ground(pilots: Start, parameters, words):
+    """Said in ArduCopter's own words when it is told to arm."""
+    pilot = pilots(FENCE_ENABLE=1, **parameters)
+    pilot.ready()
+    assert refused_with(pilot) == [f"Arm: {words}"]
+
+
+def test_a_vehicle_outside_its_fence_is_not_armed(pilots: Start):
+    """A figure to stay in that lies elsewhere."""
+    pilot = pilots(FENCE_TYPE=4)
+    pilot.ready()
+    assert pilot.upload([Item(5003, 0, (50.0, 0, 0, 0), *move(*ORIGIN, 0.0, 90.0))], 1) == 0
+    pilot.set_parameter("FENCE_ENABLE", 1)
+    pilot.run(2.0)
+    assert refused_with(pilot) == ["Arm: vehicle outside fence"]
+
+
+def test_a_fence_is_waited_for(pilots: Start):
+    """Before there is a position a level fence keeps every mode on the ground."""
+    pilot = pilots(FENCE_ENABLE=1)
+    pilot.wait_text("PreArm: Fence", 45.0)
+    pilot.run(max(0.0, 30.0 - pilot.now_s))
+    pilot.order(401)
+    pilot.run(0.5)
+    assert pilot.texts()[-1] == "PreArm: Fence enabled, need position estimate"
+
+
+# --- time, battery ---
+
+
+@pytest.mark.parametrize("delay_s", [10, 20])
+def test_an_armed_vehicle_that_stays_disarms_by_its_own_clock(pilots: Start, delay_s):
+    """DISARM_DELAY counts the vehicle's seconds, however fast they pass."""
+    pilot = pilots(DISARM_DELAY=delay_s)
+    pilot.ready()
+    pilot.order(176, 1, GUIDED)
+    pilot.order(400, 1)
+    armed_s = pilot.now_s
+    pilot.wait_text("Disarming motors", 30.0)
+    assert pilot.now_s - armed_s == pytest.approx(delay_s, abs=1.5)
+
+
+def test_a_battery_is_used_up(pilots: Start):
+    """About 28 A in the hover of BATT_CAPACITY 3300 mAh: 14 % in a minute; more in a climb."""
+    pilot = pilots()
+    pilot.take_off(10.0)
+    before, began_s = pilot.charge_percent, pilot.now_s
+    hover_a = pilot.last("SYS_STATUS").current_battery / 100
+    pilot.run(60.0)
+    minutes = (pilot.now_s - began_s) / 60
+    assert (before - pilot.charge_percent) / minutes == pytest.approx(14.2, abs=1.5)
+    fly_mission(pilot, (0.0, 0.0, 40.0))
+    pilot.wait_until(lambda: pilot.height_m > 20.0, 30.0)
+    assert pilot.last("SYS_STATUS").current_battery / 100 > hover_a + 1.5
+
+
+def test_a_battery_short_of_charge_calls_home(pilots: Start):
+    """BATT_LOW_MAH left, without a delay: said, RTL; and no arming after the landing."""
+    pilot = pilots(BATT_LOW_MAH=3000, BATT_FS_LOW_ACT=2)
+    pilot.take_off(10.0)
+    pilot.wait_text("Battery 1 is low", 60.0)
+    pilot.wait_mode(RTL)
+    pilot.wait(lambda x: x.get_type() == "HEARTBEAT" and not x.base_mode & 128, 90.0)
+    assert "Arm: Battery 1 low capacity failsafe" in refused_with(pilot)
+
+
+def test_a_low_voltage_must_last(pilots: Start):
+    """BATT_LOW_TIMER seconds below BATT_LOW_VOLT, in flight: then LAND as asked."""
+    pilot = pilots(BATT_LOW_VOLT=11.5, BATT_FS_LOW_ACT=1)
+    pilot.take_off(10.0)
+    pilot.set_parameter("SIM_BATT_VOLTAGE", 11.3)
+    low_s = pilot.now_s
+    pilot.wait_text("Battery 1 is low 11.30V", 30.0)
+    assert pilot.now_s - low_s == pytest.approx(10.0, abs=1.5)
+    pilot.wait_mode(LAND)
+
+
+# --- wind ---
+
+
+def test_a_head_wind_makes_late(pilots: Start):
+    """At 10 m/s through the air the tilt limit is reached: 8 m/s against it leave 3 to 6 m/s."""
+    pilot = pilots(SIM_WIND_T=1, SIM_WIND_DIR=0)
+    pilot.take_off(20.0)
+    pilot.set_parameter("SIM_WIND_SPD", 8.0)
+    pilot.run(10.0)
+    fly_mission(pilot, (0.0, 200.0, 20.0))
+    pilot.wait_until(lambda: pilot.place_m[1] > 30.0, 60.0)
+    assert 2.0 < pilot.speed_mps < 6.0
+
+
+def test_a_wind_beyond_the_tilt_limit_carries_it_away(pilots: Start):
+    """ANGLE_MAX 20° holds 7.4 m/s of air: in 12 m/s nobody stays where he is."""
+    pilot = pilots(SIM_WIND_T=1, SIM_WIND_DIR=0, ANGLE_MAX=2000)
+    pilot.take_off(20.0)
+    pilot.set_parameter("SIM_WIND_SPD", 12.0)
+    pilot.wait_until(lambda: pilot.place_m[1] < -40.0, 60.0)
+
+
+# --- the way home ---
+
+
+def test_the_way_home(pilots: Start):
+    """Up to RTL_ALT first, RTL_LOIT_TIME over home, down at LAND_SPEED, motors off."""
+    pilot = pilots(RTL_ALT=3000, RTL_LOIT_TIME=10000, RTL_CONE_SLOPE=0)
+    pilot.take_off(12.0)
+    fly_mission(pilot, (0.0, 60.0, 12.0))
+    pilot.wait_text("Reached command #1", 60.0)
+    pilot.order(176, 1, RTL)
+    pilot.wait_until(lambda: pilot.height_m > 28.5, 30.0)
+    assert pilot.place_m[1] == pytest.approx(60.0, abs=3.0)
+    pilot.wait_until(lambda: math.hypot(*pilot.place_m) < 2.0, 40.0)
+    over_s = pilot.now_s
+    pilot.wait_until(lambda: pilot.height_m < 28.5, 40.0)
+    assert pilot.now_s - over_s == pytest.approx(14.0, abs=4.0)
+    pilot.wait_until(lambda: pilot.height_m < 5.0, 60.0)
+    low_s, low_m = pilot.now_s, pilot.height_m
+    pilot.wait_until(lambda: pilot.height_m < 1.5, 30.0)
+    assert (low_m - pilot.height_m) / (pilot.now_s - low_s) == pytest.approx(0.5, abs=0.08)
+    pilot.wait(lambda x: x.get_type() == "HEARTBEAT" and not x.base_mode & 128, 30.0)
+
+
+def test_the_way_home_may_end_in_the_air(pilots: Start):
+    """RTL_ALT_FINAL above 0: it comes down to it and stays, armed."""
+    pilot = pilots(RTL_ALT_FINAL=600)
+    pilot.take_off(15.0)
+    pilot.order(176, 1, RTL)
+    pilot.wait_until(lambda: pilot.height_m < 7.0, 60.0)
+    pilot.run(15.0)
+    assert pilot.height_m == pytest.approx(6.0, abs=0.7)
+    assert pilot.armed
+    assert pilot.mode == RTL
+
+
+# --- parameters, links ---
+
+
+def test_parameters_are_stored_unchecked_and_unknown_ones_not_answered(pilots: Start):
+    """Any value is taken as it comes; a name that it doesn't have, nobody hears of again."""
+    pilot = pilots()
+    for value in (1e9, -5.0):
+        pilot.set_parameter("WPNAV_SPEED", value)
+        assert pilot.parameter("WPNAV_SPEED") == pytest.approx(value)
+    first = len(pilot.heard)
+    pilot.send(m.MAVLink_param_set_message(pilot.sysid, 1, b"WPNAV_NOTHING", 1.0, 9))
+    pilot.send(m.MAVLink_param_request_read_message(pilot.sysid, 1, b"WPNAV_NOTHING", -1))
+    pilot.run(3.0)
+    said = [h.message for h in pilot.heard[first:] if h.message.get_type() == "PARAM_VALUE"]
+    assert "WPNAV_NOTHING" not in {x.param_id for x in said}
+
+
+def test_unsigned_words_are_ignored_but_its_own_go_on(pilots: Start):
+    """Once it has a key: no answer on its second port, while its heartbeats come, signed."""
+    pilot = pilots()
+    pilot.last("HEARTBEAT")
+    key = list(range(1, 33))
+    pilot.send(m.MAVLink_setup_signing_message(pilot.sysid, 1, key, 0))
+    pilot.run(2.0)
+    first = len(pilot.heard)
+    pilot.send(m.MAVLink_param_request_read_message(pilot.sysid, 1, b"RTL_ALT", -1))
+    pilot.run(3.0)
+    heard = [h.message for h in pilot.heard[first:]]
+    assert not [x for x in heard if x.get_type() == "PARAM_VALUE" and x.param_id == "RTL_ALT"]
+    beats = [x for x in heard if x.get_type() == "HEARTBEAT"]
+    assert beats
+    assert all(x.get_header().incompat_flags & 1 for x in beats)
+
+
+def test_two_vehicles_may_say_that_they_are_one(vehicles: Starter):
+    """Same system id, other identity: nothing in the vehicles keeps them from it."""
+    same = [replace(c, sysid=1, uid2=tuple(c.identity)) for c in fleet(2, spacing_m=30.0)]
+    both = vehicles(same)
+    found = set()
+    for number in (1, 2):
+        pilot = both.pilot(number)
+        assert pilot.last("HEARTBEAT").get_srcSystem() == 1
+        pilot.order(512, m.MAVLINK_MSG_ID_AUTOPILOT_VERSION)
+        found.add(tuple(pilot.last("AUTOPILOT_VERSION").uid2))
+    assert len(found) == 2
+
+
+def test_a_stream_that_ends_leaves_it_hovering(pilots: Start):
+    """GUIDED, GUID_TIMEOUT seconds after the last velocity: at rest, still GUIDED, nobody told."""
+    pilot = pilots(GUID_TIMEOUT=2)
+    pilot.take_off(15.0)
+    for _ in range(60):
+        pilot.send(
+            m.MAVLink_set_position_target_local_ned_message(
+                0, pilot.sysid, 1, 1, 0xDC7, 0, 0, 0, 4.0, 0.0, 0.0, 0, 0, 0, 0, 0
+            )
+        )
+        pilot.run(0.1)
+    assert pilot.speed_mps > 3.0
+    texts = len(pilot.texts())
+    pilot.run(8.0)
+    assert pilot.speed_mps < 0.5
+    assert pilot.mode == GUIDED
+    assert len(pilot.texts()) == texts
