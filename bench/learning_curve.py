@@ -24,11 +24,10 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from jfto.planning.training_file import read_training
 from jfto_planner.policy.network.environment import Episode
 from jfto_planner.policy.problems import Problems
 from jfto_planner.policy.training import generator
-from jfto_planner.policy.training.config import IMITATION
+from jfto_planner.policy.training.config import IMITATION, read_training
 from jfto_planner.policy.training.seeds import HELD_OUT, generator_of
 from jfto_planner.policy.training.teacher import solve
 from jfto_planner.policy.training.trainer import HELD_OUT_EACH, HELD_OUT_SIZES, LOG

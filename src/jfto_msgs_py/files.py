@@ -34,7 +34,8 @@ class FileKind:
     """A kind of file: what it is called, what to do about a broken one, and how it begins.
 
     `denial` says that a file is none. A file's first keys are `format` and `version` where they are
-    given; where older ones are read too, `versions_read` lists all. All errors are `error`.
+    given; where older ones are read too, `versions_read` lists all. A `sparse` file
+    may leave out whatever has a default. All errors are `error`.
     """
 
     what: str
@@ -45,6 +46,7 @@ class FileKind:
     versions_read: tuple[int, ...] = ()
     size_limit: int = 1_000_000
     error: type[InputError] = InputError
+    sparse: bool = False
 
     def fault(self, text: str, cure: str | None = None) -> InputError:
         """The error with a text and a cure, this kind's where None."""
@@ -175,6 +177,12 @@ def record_of_text(text: str, name: str, record: type[Record], kind: FileKind) -
     return found
 
 
+def record_of_values(values: Any, name: str, record: type[Record], kind: FileKind) -> Record:
+    """The record in plain values, as YAML has them, of the file `name`; raises the kind's error."""
+    found: Record = _record(Place(values, name, kind), record)
+    return found
+
+
 def _parse(text: str, name: str, kind: FileKind) -> Any:
     """JSON without NaN, infinities or doubled keys."""
 
@@ -203,19 +211,27 @@ def _parse(text: str, name: str, kind: FileKind) -> Any:
 
 
 @lru_cache(maxsize=64)
-def _fields(record: type) -> dict[str, tuple[Any, bool]]:
+def _fields(record: type, sparse: bool) -> dict[str, tuple[Any, bool]]:
     """Annotation of each field of a dataclass, and whether a file may leave it out."""
     hints = get_type_hints(record, include_extras=True)
     return {
-        field.name: (hints[field.name], bool(field.metadata.get("may_lack")))
+        field.name: (
+            hints[field.name],
+            bool(field.metadata.get("may_lack")) or (sparse and _has_default(field)),
+        )
         for field in dataclasses.fields(record)
         if field.init
     }
 
 
+def _has_default(field: dataclasses.Field[Any]) -> bool:
+    missing = dataclasses.MISSING
+    return field.default is not missing or field.default_factory is not missing
+
+
 def _record(place: Place, record: Any, head: tuple[str, ...] = ()) -> Any:
     place.need(dict)
-    fields = _fields(record)
+    fields = _fields(record, place.kind.sparse)
     known = [*head, *fields]
     for name in place.value:
         if name not in known:

@@ -38,7 +38,7 @@ def command(config: Path, out: Path, device: str, threads: int | None) -> int:
     Example:  jfto train config/train_rl_tp.yaml --out training
               torchrun --nproc_per_node=2 -m jfto train config/train_rl_tp.yaml
     """
-    from jfto.planning.training_file import read_training
+    from jfto_planner.policy.training.config import read_training
 
     settings = read_training(config)
 

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
+import yaml
+
 from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.files import FileKind, read_text, record_of_values
 from jfto_planner.policy.compiled_policy import PolicyShape
 from jfto_planner.policy.training.generator import SceneRanges
 
+KIND = FileKind("training", "config/train_rl_tp.yaml is an example.", sparse=True)
 BASELINES = ("greedy_rollout", "shared")
 IMITATION, REINFORCE = METHODS = ("imitation", "reinforce")
 
@@ -135,39 +139,21 @@ def _check(stage: Stage, name: str) -> None:
         raise InputError(f"{name}.rollouts is {stage.rollouts}; a shared baseline needs 2.")
 
 
-def from_dict(values: dict[str, Any]) -> TrainingConfig:
-    """Configuration from plain values, as read from a YAML file.
+def read_training(path: Path) -> TrainingConfig:
+    """Settings of a training run in a YAML file; raises InputError naming file, key and reason."""
+    text = read_text(path, KIND.error, KIND.what, KIND.size_limit)
+    try:
+        values = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise KIND.fault(f"{path}: is not YAML: {error}.") from None
+    if not isinstance(values, dict):
+        raise KIND.fault(f"{path}: holds no keys.")
+    return from_dict(values, str(path))
+
+
+def from_dict(values: dict[str, Any], name: str = "training") -> TrainingConfig:
+    """Configuration from plain values, as read from the YAML file of a name.
 
     Raises InputError naming an unknown, missing or ill-typed key.
     """
-    known = dict(values)
-    parts: dict[str, Any] = {}
-    if "stages" in known:
-        stages = known.pop("stages")
-        if not isinstance(stages, list):
-            raise InputError("stages must be a list of stages.")
-        parts["stages"] = tuple(
-            _build(Stage, stage, f"stages[{number}]") for number, stage in enumerate(stages)
-        )
-    if "shape" in known:
-        parts["shape"] = _build(PolicyShape, known.pop("shape"), "shape")
-    if "scenes" in known:
-        parts["scenes"] = _build(SceneRanges, known.pop("scenes"), "scenes")
-    return _build(TrainingConfig, known | parts, "training")
-
-
-def _build(kind: type, values: Any, name: str) -> Any:
-    if not isinstance(values, dict):
-        raise InputError(f"{name} must be a map of keys, is {values!r}.")
-    fields = {item.name: item for item in dataclasses.fields(kind)}
-    for key in values:
-        if key not in fields:
-            raise InputError(f"{name}.{key} is unknown; known keys are {', '.join(fields)}.")
-    for key, item in fields.items():
-        missing = item.default is dataclasses.MISSING
-        if missing and item.default_factory is dataclasses.MISSING and key not in values:
-            raise InputError(f"{name}.{key} is missing.")
-    pairs = {
-        key: tuple(value) if isinstance(value, list) else value for key, value in values.items()
-    }
-    return kind(**pairs)
+    return record_of_values(values, name, TrainingConfig, KIND)

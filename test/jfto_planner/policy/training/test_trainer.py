@@ -167,15 +167,15 @@ def test_the_t_test_wants_evidence() -> None:
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"seed": 1}, "stages is missing"),
+        ({"seed": 1}, "lacks stages"),
         ({"seed": 1, "stages": []}, "at least one"),
-        ({"seed": 1, "stages": [{"steps": 1}]}, "waypoints is missing"),
+        ({"seed": 1, "stages": [{"steps": 1}]}, r"stages\[0\] lacks waypoints"),
         ({"seed": 1, "stages": 3}, "must be a list"),
         ({"seed": 1, "stages": [STAGE | {"method": "guess"}]}, r"stages\[0\].method is 'guess'"),
         ({"seed": 1, "stages": [STAGE | {"baseline": "none"}]}, r"stages\[0\].baseline is"),
         ({"seed": 1, "stages": [STAGE | {"method": "imitation"}]}, "needs at least 1"),
-        ({"seed": 1, "stages": [7]}, "must be a map"),
-        ({"sead": 1, "stages": []}, "sead is unknown"),
+        ({"seed": 1, "stages": [7]}, r"stages\[0\] is 7, must be an object"),
+        ({"sead": 1, "stages": []}, "unknown key sead. Did you mean seed"),
     ],
 )
 def test_bad_configurations_name_the_key(values, message) -> None:
