@@ -19,6 +19,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
+import numpy as np
+
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.records.fields import FILLED, NULL_IS_NAN, OneOf, Range
 from jfto_msgs_py.scenario.value import nearest
@@ -145,6 +147,33 @@ def write_file(path: Path, content: str | bytes) -> None:
         ) from None
 
 
+def write_json(path: Path, facts: Any) -> Path:
+    """Write values as `plain` has them as JSON; returns the path. Raises InputError."""
+    write_file(path, json.dumps(plain(facts), indent=1) + "\n")
+    return path
+
+
+def plain(value: object, decimals: int | None = None) -> Any:
+    """Records, arrays and containers as values that JSON has: what is not finite becomes null.
+
+    With `decimals` numbers are rounded to so many, and minus zero is zero.
+    """
+    if dataclasses.is_dataclass(value):
+        fields = dataclasses.fields(value)
+        return {field.name: plain(getattr(value, field.name), decimals) for field in fields}
+    if isinstance(value, Mapping):
+        return {name: plain(entry, decimals) for name, entry in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return [plain(entry, decimals) for entry in value]
+    if isinstance(value, float):
+        if not math.isfinite(value):
+            return None
+        return value if decimals is None else round(value, decimals) + 0.0
+    return value
+
+
 def read_record(path: Path, record: type[Record], kind: FileKind) -> Record:
     """The record in a JSON file; raises the kind's error."""
     text = read_text(path, kind.error, kind.what, kind.size_limit)
@@ -154,8 +183,7 @@ def read_record(path: Path, record: type[Record], kind: FileKind) -> Record:
 def write_record(record: Any, path: Path, kind: FileKind) -> None:
     """Write a dataclass of finite numbers as JSON; raises InputError."""
     head = {"format": kind.format, "version": kind.version} if kind.format else {}
-    document = head | dataclasses.asdict(record)
-    write_file(path, json.dumps(document, indent=1, allow_nan=False) + "\n")
+    write_json(path, head | dataclasses.asdict(record))
 
 
 def record_of_text(text: str, name: str, record: type[Record], kind: FileKind) -> Record:

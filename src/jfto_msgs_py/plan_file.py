@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 import json
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,7 +12,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from jfto_msgs_py.errors import PlanError
-from jfto_msgs_py.files import FileKind, read_text, record_of_text, write_file
+from jfto_msgs_py.files import FileKind, plain, read_text, record_of_text, write_file
 from jfto_msgs_py.records.certificate import Certificate
 from jfto_msgs_py.records.fields import FILLED, MAY_LACK, Range
 from jfto_msgs_py.records.plan import (
@@ -47,7 +45,7 @@ UAV_LIMITS = ("p_max_dbm", "energy_j", "t_max_s", "speed_mps", "climb_mps", "des
 # Micrometres and microseconds: finer than any of it can be known, coarse enough that the last
 # digit of a sum does not depend on the machine.
 DECIMALS = 6
-_ORIGIN_DECIMALS = 9
+_FINER_DECIMALS = 9
 
 
 def write_plan(plan: Plan, path: str | Path) -> None:
@@ -68,69 +66,49 @@ def rounded(plan: Plan) -> Plan:
 
 def plan_text(plan: Plan) -> str:
     """JSON text of a plan: fixed order of keys, fixed rounding, one record per line."""
-    origin = plan.origin
+    origin, slots = plan.origin, plan.slots
+    homes = plan.homes or (None,) * len(plan.uavs)
     document: dict[str, Any] = {
         "format": PLAN_FORMAT,
         "version": PLAN_VERSION,
         "scenario_hash": plan.scenario_hash,
         "seed": plan.seed,
-        "origin": {
-            "lat": _plain(origin.lat_deg, _ORIGIN_DECIMALS),
-            "lon": _plain(origin.lon_deg, _ORIGIN_DECIMALS),
-            "alt_m": _plain(origin.alt_m),
-        },
-        "radio": _plain(dataclasses.asdict(plan.radio)),
-        "wind_mps": _plain(plan.wind_mps),
+        "origin": {"lat": origin.lat_deg, "lon": origin.lon_deg, "alt_m": origin.alt_m},
+        "radio": plan.radio,
+        "wind_mps": plan.wind_mps,
         "k_min": plan.k_min,
         "delta": plan.delta,
-        "d_min_m": _plain(plan.d_min_m),
-        "length_max_m": _plain(plan.length_max_m),
+        "d_min_m": plan.d_min_m,
+        "length_max_m": plan.length_max_m,
         "time_model": plan.time_model,
-        "time_parameters": _plain(dict(plan.time_parameters)),
-        "slots": {
-            "count": plan.slots.count,
-            "duration_s": _plain(plan.slots.duration_s, _ORIGIN_DECIMALS),
-        },
-        "waypoints": [_plain(dataclasses.asdict(waypoint)) for waypoint in plan.waypoints],
+        "time_parameters": plan.time_parameters,
+        "slots": {"count": slots.count, "duration_s": slots.duration_s},
+        "waypoints": plan.waypoints,
         "uavs": [
             _uav_object(uav, route, home)
-            for uav, route, home in zip(
-                plan.uavs, plan.routes, plan.homes or (None,) * len(plan.uavs), strict=True
-            )
+            for uav, route, home in zip(plan.uavs, plan.routes, homes, strict=True)
         ],
-        "positions_m": _plain(plan.positions_m.tolist()),
-        "trajectories": [_plain(trajectory) for trajectory in plan.trajectories],
-        "certificate": None if plan.certificate is None else _certificate_object(plan.certificate),
+        "positions_m": plan.positions_m,
+        "trajectories": plan.trajectories,
+        "certificate": plan.certificate,
     }
+    document = rounded_record(document)
+    # A degree is a hundred kilometres long, and slots add up.
+    degrees = {"lat": origin.lat_deg, "lon": origin.lon_deg}
+    document["origin"] |= plain(degrees, _FINER_DECIMALS)
+    document["slots"]["duration_s"] = plain(slots.duration_s, _FINER_DECIMALS)
     return "{\n" + ",\n".join(_member(name, document[name]) for name in document) + "\n}\n"
 
 
 def rounded_waypoint(waypoint: Waypoint) -> Waypoint:
     """The waypoint as a plan file will hold it, so that times computed from it stay true."""
-    east, north, up = _plain(waypoint.position_m)
-    return Waypoint(
-        waypoint.id, (east, north, up), _plain(waypoint.yaw_deg), _plain(waypoint.pitch_deg)
-    )
+    yaw_deg, pitch_deg = rounded_record((waypoint.yaw_deg, waypoint.pitch_deg))
+    return Waypoint(waypoint.id, tuple(rounded_record(waypoint.position_m)), yaw_deg, pitch_deg)
 
 
 def rounded_record(value: Any) -> Any:
-    """Numbers, lists and objects as a plan file will hold them."""
-    return _plain(value)
-
-
-def _plain(value: Any, decimals: int = DECIMALS) -> Any:
-    """JSON value with floats rounded, tuples as lists, minus zero as zero, non-finite as null."""
-    if isinstance(value, dict):
-        return {name: _plain(entry, decimals) for name, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(entry, decimals) for entry in value]
-    if isinstance(value, np.ndarray):
-        return _plain(value.tolist(), decimals)
-    if isinstance(value, np.generic):
-        return _plain(value.item(), decimals)
-    if isinstance(value, float):
-        return round(value, decimals) + 0.0 if math.isfinite(value) else None
-    return value
+    """Numbers, lists, objects and records as a plan file will hold them."""
+    return plain(value, DECIMALS)
 
 
 def _member(name: str, value: Any) -> str:
@@ -147,18 +125,13 @@ def _compact(value: Any) -> str:
 def _uav_object(uav: Uav, route: Route, home: WayHome | None) -> dict[str, Any]:
     return {
         "id": uav.id,
-        **{name: _plain(getattr(uav, name)) for name in (*UAV_LIMITS, "endurance_s")},
-        "start_m": _plain(uav.start_m),
-        "route": list(route.waypoint_ids),
-        "arrival_s": _plain(route.arrival_s),
-        "length_m": _plain(route.length_m),
-        "home": None if home is None else _plain(dataclasses.asdict(home)),
+        **{name: getattr(uav, name) for name in (*UAV_LIMITS, "endurance_s")},
+        "start_m": uav.start_m,
+        "route": route.waypoint_ids,
+        "arrival_s": route.arrival_s,
+        "length_m": route.length_m,
+        "home": home,
     }
-
-
-def _certificate_object(certificate: Certificate) -> dict[str, Any]:
-    plain: dict[str, Any] = _plain(dataclasses.asdict(certificate))
-    return plain
 
 
 Text = Annotated[str, FILLED]

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-import json
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +13,7 @@ import numpy as np
 from jfto.analysis.comparison import Comparison, LinkMetrics
 from jfto.analysis.paper import PAPER
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.files import write_file
+from jfto_msgs_py.files import plain, write_file, write_json
 from jfto_msgs_py.records.certificate import Certificate
 from jfto_msgs_py.records.plan import Plan
 
@@ -25,24 +22,6 @@ if TYPE_CHECKING:
     from jfto_planner.coverage import Coverage
 
 _WAYPOINT_SUFFIXES = (".csv", ".geojson")
-
-
-def plain(value: object, digits: int | None = None) -> Any:
-    """Records, arrays and containers as values that JSON has: what is not finite becomes null.
-
-    With `digits` numbers are rounded to so many decimals.
-    """
-    if is_dataclass(value):
-        return plain({one.name: getattr(value, one.name) for one in fields(value)}, digits)
-    if isinstance(value, Mapping):
-        return {key: plain(one, digits) for key, one in value.items()}
-    if isinstance(value, np.ndarray | np.generic):
-        value = value.tolist()
-    if isinstance(value, list | tuple):
-        return [plain(one, digits) for one in value]
-    if isinstance(value, float):
-        return (value if digits is None else round(value, digits)) if math.isfinite(value) else None
-    return value
 
 
 def comparison_object(plan: Plan, comparison: Comparison, scene: str) -> dict[str, Any]:
@@ -207,5 +186,4 @@ def write_waypoints(found: Survey, path: Path) -> None:
         }
         for row in rows
     ]
-    collection = {"type": "FeatureCollection", "features": features}
-    write_file(path, json.dumps(collection, indent=1) + "\n")
+    write_json(path, {"type": "FeatureCollection", "features": features})

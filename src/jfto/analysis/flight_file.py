@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from jfto.analysis.export import plain
 from jfto.analysis.facts import FlightFacts
 from jfto.analysis.grid import FINER
+from jfto_msgs_py.files import plain
 from jfto_msgs_py.records.passage import VISITED_M
 
 FLIGHT_FORMAT = "jfto-flight"

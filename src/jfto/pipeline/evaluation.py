@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +14,7 @@ from jfto.planning.scenario_file import SCENARIO_NAME, LoadedScenario, load_scen
 from jfto.planning.survey import survey
 from jfto.planning.terrain import known_ground
 from jfto.reporting.figures import draw, plan_drawings
-from jfto_msgs_py.files import write_file
+from jfto_msgs_py.files import write_file, write_json
 from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.scenario.mission import EvaluationPart
 from jfto_world.terrain import Dem
@@ -70,7 +69,7 @@ def write_evaluation(done: list[Evaluated], directory: Path, progress: Progress 
     rows = [(one.label, one.comparison) for one in done]
     write_file(directory / "comparison.csv", comparison_csv(rows))
     facts = [comparison_object(one.plan, one.comparison, one.scene) for one in done]
-    write_file(directory / "comparison.json", json.dumps(facts, indent=1) + "\n")
+    write_json(directory / "comparison.json", facts)
     labels = [one.label for one in done]
     for number, one in enumerate(done):
         # Several plans of one scene share its label.

@@ -33,7 +33,7 @@ from jfto.planning.scenario_file import (
 )
 from jfto.planning.terrain import known_ground
 from jfto_msgs_py.errors import InputError, JftoError, PlanError
-from jfto_msgs_py.files import read_text, write_file
+from jfto_msgs_py.files import read_text, write_file, write_json
 from jfto_msgs_py.plan_file import read_plan, write_plan
 from jfto_msgs_py.records.plan import Plan
 
@@ -130,7 +130,9 @@ class Pipeline:
         if found.coverage is not None:
             from jfto.analysis.export import coverage_object
 
-            files.append(self._write_json(COVERAGE_NAME, coverage_object(found.coverage)))
+            files.append(
+                write_json(self._directory / COVERAGE_NAME, coverage_object(found.coverage))
+            )
         self._dem = found.dem
         planned = plan_routes(scenario, found, self._progress)
         cures = would_help(planned, found.dem, self._progress)
@@ -190,7 +192,7 @@ class Pipeline:
 
         evaluation = self._loaded.scenario.evaluation
         comparison, scene = compare(plan, evaluation.n_dc, self._progress), evaluation.paper_scene
-        self._write_json("comparison.json", comparison_object(plan, comparison, scene))
+        write_json(self._directory / "comparison.json", comparison_object(plan, comparison, scene))
         write_file(self._directory / "comparison.csv", comparison_csv([(scene, comparison)]))
         write_file(self._directory / "slots.csv", slots_csv(plan, comparison))
         return comparison
@@ -213,7 +215,7 @@ class Pipeline:
         except JftoError as error:
             self._progress.end("as flown", "nothing", str(error), good=False)
             return None
-        self._write_json(FLIGHT_NAME, flight_facts_object(facts))
+        write_json(self._directory / FLIGHT_NAME, flight_facts_object(facts))
         self._progress.end(
             "as flown", f"{facts.visited}/{len(facts.passages)} waypoints", facts.in_words(),
             good=facts.good,
@@ -300,11 +302,6 @@ class Pipeline:
             ) from None
         assert isinstance(found, dict)
         return found
-
-    def _write_json(self, name: str, facts: object) -> Path:
-        path = self._directory / name
-        write_file(path, json.dumps(facts, indent=1) + "\n")
-        return path
 
 
 def _text(path: Path, what: str) -> str:

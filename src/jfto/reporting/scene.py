@@ -13,6 +13,7 @@ from jfto.analysis.motion import motions
 from jfto.analysis.record import Track
 from jfto.reporting.figures.map import drawn_extent, sampled_ground
 from jfto.reporting.palette import uav_colour
+from jfto_msgs_py.files import plain
 from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.types import Array, Flags
 from jfto_msgs_py.units import dbm_to_w, ratio_to_db
@@ -109,9 +110,4 @@ def _links(links: Flags, power_w: Array, gain: Array) -> list[list[list[float]]]
 
 def _short(values: Array) -> Any:
     """Nested lists to a decimetre: a report is looked at, not computed with. Unknown is null."""
-    rounded = np.round(values, 1)
-    if np.isfinite(rounded).all():
-        return rounded.tolist()
-    known = rounded.astype(object)
-    known[~np.isfinite(rounded)] = None
-    return known.tolist()
+    return plain(values, 1)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import fcntl
-import json
 import os
 import queue
 import time
@@ -22,7 +21,7 @@ from jfto.supervision.process import (
 )
 from jfto.supervision.shared_memory import SharedMemory
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.files import write_file
+from jfto_msgs_py.files import write_json
 from jfto_msgs_py.retry import Retry
 
 # How often logs are looked at for errors.
@@ -204,7 +203,7 @@ class Supervisor:
             }
             for slot in self._slots
         }
-        write_file(self._directory / STATUS_NAME, json.dumps(state, indent=1) + "\n")
+        write_json(self._directory / STATUS_NAME, state)
 
 
 @contextmanager
