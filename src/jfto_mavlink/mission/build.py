@@ -122,7 +122,8 @@ def _build_one(
             items.append(_gate_item(route.arrival_s[number], settings))
     last = places[-1] if waypoints else (*places[0][:2], settings.takeoff_height_m)
     if home is not None:
-        items += home_items(home, frame, last, (*places[0][:2], home_alt_m))
+        streamed = _speed_items(uav) if plan.trajectories else ()
+        items += home_items(home, frame, last, (*places[0][:2], home_alt_m), streamed)
     else:
         items += _ending_items(route, last, plan.slots.horizon_s, settings)
     check_limits(uav.id, items, settings.limits)

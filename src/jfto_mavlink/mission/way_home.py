@@ -7,12 +7,13 @@ failsafes; each vehicle has a height of its own for it, since they may all retur
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from jfto_mavlink.dialect import mavlink
 from jfto_mavlink.mission.limits import Ground, MissionLimits, return_height_m
-from jfto_mavlink.protocol.item import FRAME_HOME, Item, at
+from jfto_mavlink.protocol.item import FRAME_HOME, FRAME_NONE, Item, at
 from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.records.way_home import WayHome
 from jfto_world.motion.landing import LAND_FROM_M, LAND_MPS
@@ -26,18 +27,24 @@ LAYER_SPARE_M = 1.0
 LEAST_RETURN_M = 15.0
 
 
-def home_items(home: WayHome, frame: LocalFrame, last: Place, pad: Place) -> list[Item]:
+def home_items(
+    home: WayHome, frame: LocalFrame, last: Place, pad: Place, streamed: Sequence[Item] = ()
+) -> list[Item]:
     """Items that hold at `last`, fly the way home and land on `pad`.
 
-    Both are latitude, longitude and height: `last` above home, `pad` absolute.
+    Both are latitude, longitude and height: `last` above home, `pad` absolute. A vehicle that
+    was streamed to until the horizon begins by waiting where it is, then by `streamed`.
     """
-    hold = at(mavlink.MAV_CMD_NAV_LOITER_TIME, FRAME_HOME, *last, round(home.hold_s))
+    hold_s = round(home.hold_s)
+    begin = [at(mavlink.MAV_CMD_NAV_LOITER_TIME, FRAME_HOME, *last, hold_s)]
+    if streamed:
+        begin = [Item(mavlink.MAV_CMD_NAV_DELAY, FRAME_NONE, (hold_s, 0.0, 0.0, 0.0)), *streamed]
     lat, lon, alt = frame.to_geodetic(home.line_m[1:].reshape(-1, 3))
     legs = [
         at(mavlink.MAV_CMD_NAV_WAYPOINT, FRAME_HOME, *place)
         for place in zip(lat, lon, alt - pad[2], strict=True)
     ]
-    return [hold, *legs, at(mavlink.MAV_CMD_NAV_LAND, FRAME_HOME, *pad[:2], 0.0)]
+    return [*begin, *legs, at(mavlink.MAV_CMD_NAV_LAND, FRAME_HOME, *pad[:2], 0.0)]
 
 
 def landing_parameters() -> tuple[tuple[str, float], ...]:

@@ -15,7 +15,6 @@ from jfto_msgs_py.types import Array, Ints
 from jfto_planner.home.departures import DepartureSearch
 from jfto_planner.home.flown_way import FlownWay, fly_way
 from jfto_planner.home.ways import GroundHeight, lines_home
-from jfto_planner.smoothing.trajectory import Trajectory
 
 # UAVs that are so early or late against one another still keep apart.
 APART_S = 2.0
@@ -73,8 +72,13 @@ def _holds_at(plan: Plan, a: int) -> Array:
 
 
 def _arrived_s(plan: Plan, a: int) -> float:
-    """When UAV `a` has nothing left to do but to hold; its lift-off where it has no waypoints."""
+    """When UAV `a` has nothing left to do but to hold; its lift-off where it has no waypoints.
+
+    Curves are streamed until the horizon: only from there on the autopilot counts for itself.
+    """
     route = plan.routes[a]
+    if plan.trajectories:
+        return plan.slots.horizon_s
     if route.arrival_s:
         return route.arrival_s[-1]
     if plan.time_model != "arducopter":
@@ -99,12 +103,10 @@ def _one_by_one(ways: Sequence[Sequence[FlownWay]], ready_s: Array) -> tuple[Int
 
 def _record(way: FlownWay, arrived_s: float, hold_s: float) -> WayHome:
     leave_s = arrived_s + hold_s
-    curve = Trajectory.from_record(dict(way.trajectory)) if way.trajectory else None
     points = tuple((float(x), float(y), float(z)) for x, y, z in way.points_m)
     return WayHome(
         hold_s=hold_s,
         points_m=points,
         reached_s=tuple(rounded_record(leave_s + float(time)) for time in way.reached_s),
         landed_s=rounded_record(leave_s + way.duration_s),
-        trajectory={} if curve is None else rounded_record(curve.delayed(leave_s).as_record()),
     )

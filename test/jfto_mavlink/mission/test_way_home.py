@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from jfto_mavlink.errors import MissionError
+from jfto_mavlink.guided.stream import homeward_item
 from jfto_mavlink.mission.build import build_missions
 from jfto_mavlink.mission.limits import MissionLimits
 from jfto_mavlink.mission.settings import MissionSettings
@@ -16,6 +17,7 @@ from jfto_planner.home import HomeRules, with_ways_home
 from jfto_world.terrain.frame import LocalFrame
 
 WP, LOITER, LAND, RTL = 16, 19, 21, 20
+SPEED, DELAY = 178, 93
 
 
 def flat(east, north):
@@ -89,3 +91,19 @@ def test_emergencies_return_at_heights_of_their_own(plan):
 def test_unknown_ground_leaves_the_vehicles_own_return_height(plan):
     """Nobody can say that 15 m are enough there."""
     assert "RTL_ALT" not in dict(build_missions(plan, MissionSettings())[0].mission.parameters)
+
+
+def test_after_a_curve_the_mission_waits_where_the_vehicle_is(homed):
+    """AUTO takes over at the horizon: a delay, the plan's speeds, then the same way home."""
+    streamed = replace(
+        homed,
+        time_model="bezier",
+        time_parameters={"accel_z_mps2": 2.0},
+        trajectories=({},) * len(homed.uavs),
+    )
+    for mission, home in zip(build_missions(streamed, MissionSettings()), homed.homes, strict=True):
+        first = homeward_item(mission)
+        delay, *speeds = mission.mission.items[first : first + 4]
+        assert (delay.command, delay.params[0]) == (DELAY, home.hold_s)
+        assert [item.command for item in speeds] == [SPEED] * 3
+        assert mission.mission.items[-1].command == LAND

@@ -59,13 +59,12 @@ def curves_of(plan: Plan) -> list[Curve]:
             "each under the time model bezier. Write the plan anew with jfto plan."
         )
     return [
-        curve_of(uav, record, len(route.waypoint_ids) + 1)
+        _curve(uav, record, len(route.waypoint_ids) + 1)
         for uav, record, route in zip(plan.uavs, plan.trajectories, plan.routes, strict=True)
     ]
 
 
-def curve_of(uav: Uav, record: Mapping[str, Any], points: int) -> Curve:
-    """Curve of a record through so many points; raises PlanError where it is not sound."""
+def _curve(uav: Uav, record: Mapping[str, Any], points: int) -> Curve:
     problem = ""
     if sorted(record) != sorted(_KEYS) or record["kind"] != "bezier5":
         problem = f"is not of kind bezier5 with the keys {', '.join(_KEYS)}"

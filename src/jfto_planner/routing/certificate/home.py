@@ -5,7 +5,7 @@ Shares no code with the planning of them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,26 +15,17 @@ from jfto_msgs_py.records.plan import Plan, Uav
 from jfto_msgs_py.records.way_home import WayHome
 from jfto_msgs_py.types import Array
 from jfto_planner.routing.certificate.between import chord_distance
-from jfto_planner.routing.certificate.curves import check_curves, curve_of
 from jfto_planner.routing.certificate.ground import PAD_M, GroundRule
 from jfto_planner.routing.certificate.ground import TOLERANCE_M as GROUND_M
-from jfto_planner.routing.certificate.routes import CURVES, TOLERANCE_M, TOLERANCE_S
-from jfto_world.motion import MotionLimits, time_model_named
+from jfto_planner.routing.certificate.routes import TOLERANCE_M, TOLERANCE_S
+from jfto_world.motion import MotionLimits
 from jfto_world.motion.landing import landing_places, landing_s
+from jfto_world.motion.way_home import home_model
 
 # Chords this short leave an arc by a hundredth of a metre at 10 m/s².
 STEP_S = 0.1
 # Links are looked at so often.
 LINKS_S = 1.0
-
-
-@dataclass(frozen=True)
-class _Flown:
-    """When the points of a way home are reached (K,), and where the UAV is (T, 3)."""
-
-    reached_s: Array
-    places_m: Array
-    faults: list[Violation]
 
 
 def home_times_s(plan: Plan, step_s: float) -> Array:
@@ -47,7 +38,7 @@ def home_times_s(plan: Plan, step_s: float) -> Array:
 
 def home_places_m(plan: Plan, times_s: Array) -> Array:
     """Where everybody is at times from the horizon on, (T, A, 3); raises PlanError, InputError."""
-    return np.stack([_fly(plan, a, times_s).places_m for a in range(len(plan.uavs))], axis=1)
+    return np.stack([_fly(plan, a, times_s)[1] for a in range(len(plan.uavs))], axis=1)
 
 
 def check_home(
@@ -68,8 +59,7 @@ def check_home(
     flown = [_fly(plan, a, times) for a in range(len(plan.uavs))]
     found = []
     for a, (uav, home) in enumerate(zip(plan.uavs, plan.homes, strict=True)):
-        found += flown[a].faults
-        found += _check_records(plan, a, home, flown[a].reached_s)
+        found += _check_records(plan, a, home, flown[a][0])
         if uav.endurance_s and home.landed_s > uav.endurance_s:
             message = (
                 f"{uav.id} stands at its pad after {home.landed_s:.0f} s, its battery lasts "
@@ -78,44 +68,34 @@ def check_home(
             found.append(_violation(uav, home.landed_s, uav.endurance_s, message, "endurance"))
     clear_m = np.nan
     if ground is not None:
-        low, clear_m = _check_ground(plan, [one.places_m for one in flown], ground, times)
+        low, clear_m = _check_ground(plan, [places for _, places in flown], ground, times)
         found += low
-    close, nearest_m = _check_apart(plan, np.stack([one.places_m for one in flown], 1), times)
+    close, nearest_m = _check_apart(plan, np.stack([places for _, places in flown], 1), times)
     landed_s = max(home.landed_s for home in plan.homes)
     return [*found, *close], WayHomeCheck(landed_s, nearest_m, float(clear_m), 0.0, 0.0)
 
 
-def _fly(plan: Plan, a: int, times_s: Array) -> _Flown:
+def _fly(plan: Plan, a: int, times_s: Array) -> tuple[Array, Array]:
+    """When the points of a way home are reached (K,), from when it begins; where it is (T, 3)."""
     uav, home = plan.uavs[a], plan.homes[a]
-    line, leave_s, faults = home.line_m, home.reached_s[0], []
+    line, leave_s = home.line_m, home.reached_s[0]
     if len(line) == 1:
         reached, places = np.zeros(1), np.tile(line, (len(times_s), 1))
-    elif plan.time_model == CURVES:
-        curve = curve_of(uav, home.trajectory, len(line))
-        reached = curve.waypoint_s - leave_s
-        places = curve.at(times_s)
-        alone = replace(plan, uavs=(uav,), routes=(plan.routes[a],))
-        faults = check_curves(alone, [curve], [line])
     else:
-        model = time_model_named(plan.time_model, _legs_only(plan))
+        model = home_model(plan.time_model, plan.time_parameters)
         limits = MotionLimits(uav.speed_mps, uav.climb_mps, uav.descent_mps)
         reached = model.arrivals(line, limits)
         places = model.positions(line, limits, np.maximum(times_s - leave_s, 0.0))
     hover_s = home.reached_s[-1]
     landing = times_s > hover_s
     places[landing] = landing_places(line[-1], uav.start_m[2], times_s[landing] - hover_s)
-    return _Flown(reached, places, faults)
-
-
-def _legs_only(plan: Plan) -> dict[str, float]:
-    """Time parameters without lift-off and holds, which ways home have none of."""
-    own = ("hold_s", "takeoff_m")
-    return {name: value for name, value in plan.time_parameters.items() if name not in own}
+    return reached, places
 
 
 def _check_records(plan: Plan, a: int, home: WayHome, reached_s: Array) -> list[Violation]:
     """Where and when it begins and ends against the route, its times against its legs."""
     uav, line, route = plan.uavs[a], home.line_m, plan.routes[a]
+    counted_s = plan.slots.horizon_s if plan.trajectories else route.end_s
     begin = plan.line_m(a)[-1] if route.waypoint_ids else plan.positions_m[a, -1]
     asked = (
         ("begins off its last waypoint by", "m", np.linalg.norm(line[0] - begin), TOLERANCE_M),
@@ -146,7 +126,7 @@ def _check_records(plan: Plan, a: int, home: WayHome, reached_s: Array) -> list[
         (
             "does not hold as long as it says, by",
             "s",
-            abs(route.end_s + home.hold_s - home.leave_s) if route.arrival_s else 0.0,
+            abs(counted_s + home.hold_s - home.leave_s) if route.arrival_s else 0.0,
             TOLERANCE_S,
         ),
     )
