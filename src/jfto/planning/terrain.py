@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 def load_ground(loaded: LoadedScenario) -> Dem:
     """Elevation model of a scenario; raises TerrainError."""
     # Loaded here: most nodes never read a raster, and one that died must soon be back.
-    from jfto_world.terrain import load_dem
+    from jfto_world.terrain import DeclaredHeights, load_dem
 
     terrain = loaded.scenario.terrain
     source: str | Path = terrain.source
@@ -35,6 +35,7 @@ def load_ground(loaded: LoadedScenario) -> Dem:
             center=center,
             size_m=(terrain.size_m[0], terrain.size_m[1]),
             zero_is_void=terrain.zero_is_void,
+            declared=DeclaredHeights(terrain.vertical_unit, terrain.vertical_datum),
         )
     except TerrainError as error:
         raise TerrainError(f"{loaded.path}: terrain: {error}") from None

@@ -15,7 +15,8 @@ class TerrainPart:
 
     source: str = param(
         "jacksboro",
-        "Elevation model: a GeoTIFF, SRTM .hgt or Esri ASCII file, relative to the scenario "
+        "Elevation model: a GeoTIFF, SRTM .hgt, Esri ASCII or .vrt file, also packed as .zip or "
+        ".gz, or a folder of neighbouring tiles, relative to the scenario "
         'file; "jacksboro", the built-in USGS tile; or "unknown", where a plan is flown of which '
         "no more is known.",
     )
@@ -37,6 +38,19 @@ class TerrainPart:
     )
     zero_is_void: bool = param(
         True, "Take heights of exactly 0 for missing data, as many files do. Off at the sea."
+    )
+    vertical_unit: str = param(
+        "",
+        "Unit of the heights, where the file names none or one that is not known: us_ft is the US "
+        "survey foot. Left out: as the file says.",
+        choices=("", "m", "dm", "cm", "mm", "ft", "us_ft"),
+    )
+    vertical_datum: str = param(
+        "",
+        "What the heights are measured from, where the file does not say: the ellipsoid, mean sea "
+        "level, or a geoid that models it. Altitudes of missions are above sea level and refused "
+        "over an ellipsoid. Left out: as the file says, else mean sea level.",
+        choices=("", "ellipsoid", "sea_level", "EGM84", "EGM96", "EGM2008", "NAVD88", "EVRF2007"),
     )
 
 

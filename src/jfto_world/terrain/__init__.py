@@ -7,9 +7,10 @@ from jfto_world.terrain.dem import Dem
 from jfto_world.terrain.frame import LocalFrame
 
 if TYPE_CHECKING:
+    from jfto_world.terrain.height_reference import DeclaredHeights
     from jfto_world.terrain.load import DEFAULT_MARGIN_M, load_dem
 
-__all__ = ["DEFAULT_MARGIN_M", "CubicSurface", "Dem", "LocalFrame", "load_dem"]
+__all__ = ["DEFAULT_MARGIN_M", "CubicSurface", "DeclaredHeights", "Dem", "LocalFrame", "load_dem"]
 
 
 def __getattr__(name: str) -> object:

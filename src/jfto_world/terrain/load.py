@@ -16,9 +16,11 @@ from jfto_msgs_py.types import Array
 from jfto_world.terrain.cubic_surface import CubicSurface
 from jfto_world.terrain.dem import Dem
 from jfto_world.terrain.frame import LocalFrame
+from jfto_world.terrain.height_reference import DeclaredHeights
 from jfto_world.terrain.raster import Raster, apply_affine
-from jfto_world.terrain.raster_file import open_raster
+from jfto_world.terrain.raster_file import AS_IN_FILE, open_raster
 from jfto_world.terrain.sample_tile import JACKSBORO, jacksboro
+from jfto_world.terrain.tiles import open_tiles
 
 DEFAULT_MARGIN_M = 500.0
 # Shares of the default margin that are tried where a raster ends near the area.
@@ -39,19 +41,21 @@ def load_dem(
     size_m: tuple[float, float],
     margin_m: float | None = None,
     zero_is_void: bool = True,
+    declared: DeclaredHeights = AS_IN_FILE,
 ) -> Dem:
     """Ground of the area of `size_m` (east-west, north-south) about `center` (lat, lon).
 
-    `source` is a GeoTIFF, SRTM .hgt or Esri ASCII file in any CRS, or "jacksboro" for the
-    built-in tile. `center` None means the middle of the raster. The ground is known `margin_m`
-    beyond the area too, as cameras stand outside of slopes; None means 500 m, or as much of that
-    as the raster holds. `zero_is_void` takes heights of exactly 0 for missing data, as many files
-    do; switch it off at the sea. The origin's altitude is the ground's at the centre, in the
+    `source` is a GeoTIFF, SRTM .hgt, Esri ASCII file or other raster in any CRS, a folder of
+    neighbouring tiles, or "jacksboro" for the built-in tile. `declared` says what a file leaves
+    open of its heights. `center` None means the middle of the raster. The ground is known
+    `margin_m` beyond the area too, as cameras stand outside of slopes; None means 500 m, or as much
+    of that as the raster holds. `zero_is_void` takes heights of exactly 0 for missing data, as many
+    files do; switch it off at the sea. The origin's altitude is the ground's at the centre, in the
     file's own height datum.
 
     Raises TerrainError, naming file, reason and cure.
     """
-    raster = jacksboro() if str(source) == JACKSBORO else open_raster(Path(source))
+    raster = _raster(source, declared)
     lat_deg, lon_deg = _check_center(raster, center)
     _check_size(size_m, margin_m)
     frame = LocalFrame(Origin(lat_deg, lon_deg, 0.0))
@@ -80,8 +84,21 @@ def load_dem(
             f"{raster.name}: {raster.crs.name}, cells of {cell_m * block:.3g} m, "
             f"heights above {raster.height_datum}, origin at {origin.alt_m:.1f} m, "
             f"known {half[0] - size_m[0] / 2:.0f} m beyond the area"
+            + (f", {raster.placing.note}" if raster.placing.note else "")
         ),
     )
+
+
+def _raster(source: str | Path, declared: DeclaredHeights) -> Raster:
+    if str(source) == JACKSBORO:
+        if declared != AS_IN_FILE:
+            raise TerrainError(
+                f"{JACKSBORO}: its heights are metres above mean sea level. Leave out "
+                "terrain.vertical_unit and terrain.vertical_datum."
+            )
+        return jacksboro()
+    path = Path(source)
+    return open_tiles(path, declared) if path.is_dir() else open_raster(path, declared)
 
 
 def _check_center(raster: Raster, center: tuple[float, float] | None) -> tuple[float, float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,7 +11,9 @@ import numpy as np
 from affine import Affine
 from pyproj import CRS, Transformer
 
+from jfto_msgs_py.errors import TerrainError
 from jfto_msgs_py.types import Array
+from jfto_world.terrain.placing import Placing, placing
 
 
 def apply_affine(affine: Affine, x: Array, y: Array) -> tuple[Array, Array]:
@@ -19,6 +22,13 @@ def apply_affine(affine: Affine, x: Array, y: Array) -> tuple[Array, Array]:
         affine.a * x + affine.b * y + affine.c,
         affine.d * x + affine.e * y + affine.f,
     )
+
+
+def around(values: Array, middle: float, turn: float) -> Array:
+    """Angles of any shape brought within half a turn of `middle`."""
+    near = np.abs(values - middle) <= turn / 2
+    # Those that are near already keep their very bits.
+    return np.where(near, values, middle + (values - middle + turn / 2) % turn - turn / 2)
 
 
 @dataclass(frozen=True)
@@ -39,22 +49,57 @@ class Raster:
     read: Callable[[int, int, int, int], Array]
 
     @cached_property
-    def _from_wgs84(self) -> Transformer:
-        return Transformer.from_crs("EPSG:4326", self.crs, always_xy=True)
+    def placing(self) -> Placing:
+        """From WGS-84 to the raster's coordinates. Raises TerrainError where none is known."""
+        return placing(self.crs, self.name, self._bounds_deg())
 
     def cells(self, lat_deg: Array, lon_deg: Array) -> tuple[Array, Array]:
         """Columns and rows, fractional, counted from the first cell's centre."""
-        easting, northing = self._from_wgs84.transform(lon_deg, lat_deg)
-        columns, rows = apply_affine(~self.transform, np.asarray(easting), np.asarray(northing))
+        easting, northing = map(np.asarray, self.placing.transformer.transform(lon_deg, lat_deg))
+        if self.crs.is_geographic:
+            easting = around(easting, self._middle[0], self.turn)
+        columns, rows = apply_affine(~self.transform, easting, northing)
         return columns - 0.5, rows - 0.5
+
+    @property
+    def _middle(self) -> tuple[float, float]:
+        rows, columns = self.shape
+        return self.transform @ (columns / 2, rows / 2)
+
+    @property
+    def turn(self) -> float:
+        """A whole turn in the units of a geographic CRS."""
+        return 2 * math.pi / self.crs.axis_info[0].unit_conversion_factor
+
+    def _bounds_deg(self) -> tuple[float, float, float, float]:
+        """West, south, east and north, roughly: on the raster's own datum."""
+        rows, columns = self.shape
+        x, y = apply_affine(
+            self.transform,
+            *(a.astype(float) for a in np.meshgrid([0, columns / 2, columns], [0, rows / 2, rows])),
+        )
+        base = self.crs.geodetic_crs or self.crs
+        lon, lat = map(
+            np.asarray, Transformer.from_crs(self.crs, base, always_xy=True).transform(x, y)
+        )
+        scale = math.degrees(base.axis_info[0].unit_conversion_factor)
+        lon, lat = lon * scale, np.clip(lat * scale, -90, 90)
+        if not (np.isfinite(lon).all() and np.isfinite(lat).all()):
+            raise TerrainError(
+                f"{self.name} lies outside the reach of its coordinate system {self.crs.name}. "
+                "Check which one it is in, and set it with gdal_edit.py -a_srs EPSG:…."
+            )
+        lon = around(lon, float(lon[1, 1]), 360.0)
+        west, east = (float(v + 180) % 360 - 180 for v in (lon.min(), lon.max()))
+        return west, float(lat.min()), east, float(lat.max())
 
     def geodetic(self, column: Array, row: Array) -> tuple[Array, Array]:
         """Latitude and longitude of fractional columns and rows counted from cell centres."""
         easting, northing = apply_affine(
             self.transform, np.asarray(column) + 0.5, np.asarray(row) + 0.5
         )
-        lon, lat = self._from_wgs84.transform(easting, northing, direction="INVERSE")
-        return np.asarray(lat), np.asarray(lon)
+        lon, lat = self.placing.transformer.transform(easting, northing, direction="INVERSE")
+        return np.asarray(lat), around(np.asarray(lon), 0.0, 360.0)
 
     def extent_text(self) -> str:
         """What the raster covers, for messages."""
@@ -63,6 +108,8 @@ class Raster:
             np.linspace(0, columns - 1, 9), np.linspace(0, rows - 1, 9)
         )
         lat, lon = self.geodetic(along_column, along_row)
+        # Across the date line it runs on beyond 180 degrees.
+        lon = around(lon, float(lon[4, 4]), 360.0)
         return (
             f"latitude {lat.min():.4f} to {lat.max():.4f}, "
             f"longitude {lon.min():.4f} to {lon.max():.4f}"

@@ -1,9 +1,10 @@
-"""Elevation models on disk: GeoTIFF, SRTM .hgt and Esri ASCII, read through GDAL."""
+"""Elevation models on disk: GeoTIFF, SRTM .hgt, Esri ASCII and others, read through GDAL."""
 
 from __future__ import annotations
 
 import re
 import warnings
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -15,27 +16,43 @@ from rasterio.windows import Window
 
 from jfto_msgs_py.errors import TerrainError
 from jfto_msgs_py.types import Array
+from jfto_world.terrain.height_reference import DeclaredHeights, height_reference
 from jfto_world.terrain.raster import Raster
+
+AS_IN_FILE = DeclaredHeights()
 
 FORMATS = {
     ".tif": "GTiff",
     ".tiff": "GTiff",
     ".hgt": "SRTMHGT",
     ".asc": "AAIGrid",
+    ".vrt": "VRT",
+    ".img": "HFA",
+    ".bil": "EHdr",
+    ".flt": "EHdr",
+    ".dt0": "DTED",
+    ".dt1": "DTED",
+    ".dt2": "DTED",
 }
+# What people take for elevation models, and what to do instead.
+_OTHERS = {
+    ".dat": "ArduPilot's own cache of terrain, which tells no heights by itself: name the SRTM "
+    "tile (.hgt) that it was made from",
+    ".laz": "a point cloud: make a grid of it first (pdal, gdal_grid)",
+    ".las": "a point cloud: make a grid of it first (pdal, gdal_grid)",
+}
+_PACKED = {".zip": "zip", ".gz": "gzip"}
 _HGT_NAME = re.compile(r"[NS]\d{2}[EW]\d{3}", re.IGNORECASE)
 # 3 arc-seconds, 1 arc-second, and 1 by 2 arc-seconds beyond 50 degrees of latitude.
 _HGT_SAMPLES = {1201 * 1201: "3", 3601 * 3601: "1", 3601 * 1801: "1 x 2"}
-_FOOT_M = {"ft": 0.3048, "foot": 0.3048, "feet": 0.3048, "us-ft": 1200 / 3937}
-_FOOT_M |= {"us survey foot": 1200 / 3937, "ftus": 1200 / 3937}
-_SEA_LEVEL = "mean sea level (the file names no vertical datum)"
+_EGM96 = "EGM96 geoid (mean sea level)"
 
 
-def open_raster(path: Path) -> Raster:
-    """Raster of a file, of which only the header is read.
+def open_raster(path: Path, declared: DeclaredHeights = AS_IN_FILE) -> Raster:
+    """Raster of a file, of which only the header is read; `declared` fills what that leaves open.
 
     Raises TerrainError for a file that is missing, empty, of another format, cut short, an image,
-    or without a place on earth.
+    without a place on earth, or with heights of an unknown unit.
     """
     _check_file(path)
     with _open(path) as dataset:
@@ -49,8 +66,9 @@ def open_raster(path: Path) -> Raster:
                 f"{path} holds {dataset.dtypes[0]} values, not heights. Name an elevation model."
             )
         crs = _crs(dataset, path)
-        to_metres, datum, above_ellipsoid = _heights(dataset, crs, path)
-        shape, transform, suffix = dataset.shape, dataset.transform, path.suffix.lower()
+        shape, transform, suffix = dataset.shape, dataset.transform, kind_of(path)
+        assumed = _EGM96 if suffix == ".hgt" else ""
+        reference = height_reference(dataset.units[0], crs, path, declared, assumed)
 
     def read(row_start: int, row_stop: int, column_start: int, column_stop: int) -> Array:
         # GDAL searches a text grid from its top anyway, and where that is cut short it searches
@@ -69,9 +87,42 @@ def open_raster(path: Path) -> Raster:
         heights = band[row_start - first :].astype(np.float64).filled(np.nan)
         if suffix == ".hgt":
             heights[heights == -32768] = np.nan
-        return (heights * scale + offset) * to_metres
+        return (heights * scale + offset) * reference.to_metres
 
-    return Raster(str(path), shape, transform, _horizontal(crs), datum, above_ellipsoid, read)
+    return Raster(
+        str(path),
+        shape,
+        transform,
+        _horizontal(crs),
+        reference.datum,
+        reference.above_ellipsoid,
+        read,
+    )
+
+
+def kind_of(path: Path) -> str:
+    """Suffix of a file in small letters, of one packed in .zip or .gz that of what is packed."""
+    suffix = path.suffix.lower()
+    if suffix == ".gz":
+        return Path(path.stem).suffix.lower()
+    return Path(_member(path)).suffix.lower() if suffix == ".zip" else suffix
+
+
+def _member(path: Path) -> str:
+    """Name of the one elevation model in a .zip."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            names = [n for n in archive.namelist() if Path(n).suffix.lower() in FORMATS]
+    except (OSError, zipfile.BadZipFile) as error:
+        raise TerrainError(
+            f"{path} cannot be unpacked ({error}). Copy or download it again."
+        ) from error
+    if len(names) != 1:
+        raise TerrainError(
+            f"{path} holds {len(names)} elevation models, must hold one. Unpack it and name the "
+            "one, or the folder of neighbouring tiles."
+        )
+    return names[0]
 
 
 def _check_file(path: Path) -> None:
@@ -79,22 +130,25 @@ def _check_file(path: Path) -> None:
         raise TerrainError(f"{path} does not exist. Name a DEM file, or the built-in 'jacksboro'.")
     if not path.is_file():
         raise TerrainError(f"{path} is not a file. Name one DEM file.")
-    suffix = path.suffix.lower()
-    if suffix not in FORMATS:
-        raise TerrainError(
-            f"{path} is of no known DEM format. Use GeoTIFF (.tif), SRTM (.hgt) or Esri ASCII "
-            "(.asc); gdal_translate converts others."
-        )
     size = path.stat().st_size
     if size == 0:
         raise TerrainError(f"{path} is empty. Copy or download it again.")
+    suffix = kind_of(path)
+    if suffix in _OTHERS:
+        raise TerrainError(f"{path} is {_OTHERS[suffix]}.")
+    if suffix not in FORMATS:
+        raise TerrainError(
+            f"{path} is of no known DEM format. Use GeoTIFF (.tif), SRTM (.hgt), Esri ASCII (.asc) "
+            "or a GDAL mosaic (.vrt); gdal_translate converts others."
+        )
     if suffix == ".hgt":
-        if not _HGT_NAME.match(path.name):
+        packed = path.suffix.lower() in _PACKED
+        if not _HGT_NAME.match(Path(_member(path)).name if path.suffix == ".zip" else path.name):
             raise TerrainError(
                 f"{path} has no tile in its name, which alone says where it lies. "
                 "Give it back its name, such as N40W106.hgt."
             )
-        if size % 2 or size // 2 not in _HGT_SAMPLES:
+        if not packed and (size % 2 or size // 2 not in _HGT_SAMPLES):
             raise TerrainError(
                 f"{path} has {size} bytes, an SRTM tile has 2884802 (3 arc-seconds) or 25934402 "
                 "(1 arc-second). It is cut short or still compressed; unpack or download it again."
@@ -102,15 +156,20 @@ def _check_file(path: Path) -> None:
 
 
 def _open(path: Path) -> rasterio.DatasetReader:
-    driver = FORMATS[path.suffix.lower()]
+    suffix = kind_of(path)
+    name = str(path)
+    packed = _PACKED.get(path.suffix.lower())
+    if packed:
+        inner = f"/{_member(path)}" if packed == "zip" else ""
+        name = f"/vsi{packed}/{path.absolute()}{inner}"
     try:
         with warnings.catch_warnings():
             # A raster without a place on earth is refused below, in our own words.
             warnings.simplefilter("ignore", NotGeoreferencedWarning)
-            return rasterio.open(path, driver=driver)
+            return rasterio.open(name, driver=FORMATS[suffix])
     except (RasterioIOError, RasterioError) as error:
         raise TerrainError(
-            f"{path} cannot be read as {path.suffix.lower()} ({_reason(error)}). "
+            f"{path} cannot be read as {suffix} ({_reason(error)}). "
             "Check that the suffix fits the content, and copy or download the file again."
         ) from error
 
@@ -128,7 +187,7 @@ def _crs(dataset: rasterio.DatasetReader, path: Path) -> CRS:
     if dataset.crs is None:
         bounds = dataset.bounds
         looks_geographic = (
-            path.suffix.lower() == ".asc"
+            kind_of(path) == ".asc"
             and -180 <= bounds.left < bounds.right <= 360
             and -90 <= bounds.bottom < bounds.top <= 90
         )
@@ -150,19 +209,3 @@ def _crs(dataset: rasterio.DatasetReader, path: Path) -> CRS:
 def _horizontal(crs: CRS) -> CRS:
     """CRS without its heights, which are handled apart."""
     return crs.sub_crs_list[0] if crs.is_compound else crs.to_2d()
-
-
-def _heights(dataset: rasterio.DatasetReader, crs: CRS, path: Path) -> tuple[float, str, bool]:
-    """Metres per height unit, name of the height datum, and whether it is the ellipsoid."""
-    unit = (dataset.units[0] or "m").strip().lower()
-    to_metres = _FOOT_M.get(unit, 1.0)
-    if path.suffix.lower() == ".hgt":
-        return to_metres, "EGM96 geoid (mean sea level)", False
-    vertical = crs.sub_crs_list[1] if crs.is_compound else None
-    if vertical is not None:
-        if unit == "m" or unit not in _FOOT_M:
-            to_metres = vertical.axis_info[0].unit_conversion_factor
-        return to_metres, vertical.name, "ellipsoid" in vertical.name.lower()
-    if len(crs.axis_info) == 3:
-        return to_metres, f"ellipsoid of {crs.name}", True
-    return to_metres, _SEA_LEVEL, False
