@@ -19,8 +19,6 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
-import numpy as np
-
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.records.fields import FILLED, NULL_IS_NAN, OneOf, Range
 from jfto_msgs_py.scenario.value import nearest
@@ -163,7 +161,8 @@ def plain(value: object, decimals: int | None = None) -> Any:
         return {field.name: plain(getattr(value, field.name), decimals) for field in fields}
     if isinstance(value, Mapping):
         return {name: plain(entry, decimals) for name, entry in value.items()}
-    if isinstance(value, np.ndarray | np.generic):
+    # An array, by what it can do: who reads files need not load numpy.
+    if hasattr(value, "tolist"):
         value = value.tolist()
     if isinstance(value, list | tuple):
         return [plain(entry, decimals) for entry in value]
