@@ -13,91 +13,128 @@ from typing import TYPE_CHECKING, Any
 from jfto_msgs_py.ros.installation import RosMissingError, require_ros
 
 if TYPE_CHECKING:
+    from jfto.planning.scenario_file import LoadedScenario
+    from jfto_mavlink.mission.limits import Ground
     from jfto_msgs_py.records.plan import Plan
     from jfto_msgs_py.scenario import Scenario
-
-Arguments = Sequence[str] | None
-
-
-def planner_node(arguments: Arguments = None) -> int:
-    """Run the planner node."""
-
-    def make() -> Any:
-        from jfto_planner.node.planner_node import PlannerNode
-
-        return PlannerNode(plan_scenario, load_certified)
-
-    return _run(make, arguments)
+    from jfto_world.terrain import Dem
 
 
-def topology_node(arguments: Arguments = None) -> int:
-    """Run the topology node."""
+def plan_scenario(scenario: Scenario, progress: Callable[[float, str], None]) -> Plan:
+    """Coverage and routes of a scenario whose file names stand by themselves; certified."""
+    from jfto.console.progress import Progress
+    from jfto.planning.routes import plan_routes
+    from jfto.planning.survey import survey
 
-    def make() -> Any:
-        from jfto.planning.terrain import dem_of
-        from jfto_topology.node.topology_node import TopologyNode
+    class Told(Progress):
+        def advance(self, fraction: float, note: str = "") -> None:
+            progress(fraction, note)
 
-        return TopologyNode(dem_of)
-
-    return _run(make, arguments)
-
-
-def power_node(arguments: Arguments = None) -> int:
-    """Run the power node."""
-
-    def make() -> Any:
-        from jfto_power.node.power_node import PowerNode
-
-        return PowerNode()
-
-    return _run(make, arguments)
+    told = Told()
+    return plan_routes(scenario, survey(_loaded(scenario), told), told).plan
 
 
-def radio_node(arguments: Arguments = None) -> int:
-    """Run the radio node."""
+def load_certified(path: Path) -> Plan:
+    """Plan of a file, checked anew."""
+    from jfto.planning.routes import read_and_certify
 
-    def make() -> Any:
-        from jfto_power.node.radio_node import RadioNode
-
-        return RadioNode()
-
-    return _run(make, arguments)
+    return read_and_certify(path)
 
 
-def pose_player(arguments: Arguments = None) -> int:
-    """Run the pose player."""
+def dem_of(scenario: Scenario) -> Dem:
+    """Elevation model of a node's scenario; raises TerrainError."""
+    from jfto.planning.terrain import load_ground
 
-    def make() -> Any:
-        from jfto.nodes.pose_player import PosePlayerNode
-
-        return PosePlayerNode()
-
-    return _run(make, arguments)
+    return load_ground(_loaded(scenario))
 
 
-def mavlink_bridge(arguments: Arguments = None) -> int:
-    """Run the bridge to vehicles."""
+def known_dem_of(scenario: Scenario) -> Dem | None:
+    """The same, but None where the terrain is unknown."""
+    from jfto.planning.terrain import known_ground
 
-    def make() -> Any:
-        from jfto.planning.terrain import ground_of
-        from jfto_mavlink.node import MavlinkBridgeNode
-
-        return MavlinkBridgeNode(ground_of)
-
-    return _run(make, arguments)
+    return known_ground(_loaded(scenario))
 
 
-def simulated_fleet(arguments: Arguments = None) -> int:
-    """Run simulated vehicles, whose time is that of the graph."""
+def ground_of(scenario: Scenario) -> Ground:
+    """Heights of a node's terrain; raises TerrainError."""
+    return dem_of(scenario).height
 
-    def make() -> Any:
-        from jfto.nodes.simulated_fleet import SimulatedFleetNode
-        from jfto.planning.terrain import known_dem_of
 
-        return SimulatedFleetNode(known_dem_of)
+def _loaded(scenario: Scenario) -> LoadedScenario:
+    """A node's scenario, which comes from no file: what it names stands by itself."""
+    from jfto.planning.scenario_file import LoadedScenario
 
-    return _run(make, arguments)
+    return LoadedScenario(scenario, Path("parameters"))
 
+
+# Each node loads within run_node, which knows how to end a process while it does.
+
+
+def _planner() -> Any:
+    from jfto_planner.node.planner_node import PlannerNode
+
+    return PlannerNode(plan_scenario, load_certified)
+
+
+def _topology() -> Any:
+    from jfto_topology.node.topology_node import TopologyNode
+
+    return TopologyNode(dem_of)
+
+
+def _power() -> Any:
+    from jfto_power.node.power_node import PowerNode
+
+    return PowerNode()
+
+
+def _radio() -> Any:
+    from jfto_power.node.radio_node import RadioNode
+
+    return RadioNode()
+
+
+def _poses() -> Any:
+    from jfto.nodes.pose_player import PosePlayerNode
+
+    return PosePlayerNode()
+
+
+def _bridge() -> Any:
+    from jfto_mavlink.node import MavlinkBridgeNode
+
+    return MavlinkBridgeNode(ground_of)
+
+
+def _fleet() -> Any:
+    from jfto.nodes.simulated_fleet import SimulatedFleetNode
+
+    return SimulatedFleetNode(known_dem_of)
+
+
+def _entry(make: Callable[[], Any]) -> Callable[..., int]:
+    """Entry point that runs the node that `make` makes; takes a command line, or has sys.argv."""
+
+    def run(arguments: Sequence[str] | None = None) -> int:
+        try:
+            require_ros()
+        except RosMissingError as error:
+            print(error, file=sys.stderr)
+            return error.exit_status
+        from jfto_msgs_py.ros.run_node import end_process, run_node
+
+        return end_process(run_node(make, arguments))
+
+    return run
+
+
+planner_node = _entry(_planner)
+topology_node = _entry(_topology)
+power_node = _entry(_power)
+radio_node = _entry(_radio)
+pose_player = _entry(_poses)
+mavlink_bridge = _entry(_bridge)
+simulated_fleet = _entry(_fleet)
 
 NODES = {
     "planner_node": planner_node,
@@ -108,37 +145,3 @@ NODES = {
     "mavlink_bridge": mavlink_bridge,
     "simulated_fleet": simulated_fleet,
 }
-
-
-def plan_scenario(scenario: Scenario, progress: Callable[[float, str], None]) -> Plan:
-    """Coverage and routes of a scenario whose file names stand by themselves; certified."""
-    from jfto.console.progress import Progress
-    from jfto.planning.routes import plan_routes
-    from jfto.planning.scenario_file import LoadedScenario
-    from jfto.planning.survey import survey
-
-    class Told(Progress):
-        def advance(self, fraction: float, note: str = "") -> None:
-            progress(fraction, note)
-
-    told = Told()
-    found = survey(LoadedScenario(scenario, Path("parameters")), told)
-    return plan_routes(scenario, found, told).plan
-
-
-def load_certified(path: Path) -> Plan:
-    """Plan of a file, checked anew."""
-    from jfto.planning.routes import read_and_certify
-
-    return read_and_certify(path)
-
-
-def _run(make: Callable[[], Any], arguments: Arguments) -> int:
-    try:
-        require_ros()
-    except RosMissingError as error:
-        print(error, file=sys.stderr)
-        return error.exit_status
-    from jfto_msgs_py.ros.run_node import end_process, run_node
-
-    return end_process(run_node(make, arguments))

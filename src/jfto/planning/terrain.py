@@ -9,8 +9,6 @@ from jfto.planning.scenario_file import UNKNOWN_TERRAIN, LoadedScenario, names_a
 from jfto_msgs_py.errors import TerrainError
 
 if TYPE_CHECKING:
-    from jfto_mavlink.mission.limits import Ground
-    from jfto_msgs_py.scenario import Scenario
     from jfto_world.terrain import Dem
 
 
@@ -45,21 +43,3 @@ def known_ground(loaded: LoadedScenario) -> Dem | None:
     """Elevation model of a scenario, None where its terrain is unknown; raises TerrainError."""
     unknown = loaded.scenario.terrain.source == UNKNOWN_TERRAIN
     return None if unknown else load_ground(loaded)
-
-
-def dem_of(scenario: Scenario) -> Dem:
-    """Elevation model for a node, whose scenario's file names stand by themselves.
-
-    Raises TerrainError.
-    """
-    return load_ground(LoadedScenario(scenario, Path("parameters")))
-
-
-def known_dem_of(scenario: Scenario) -> Dem | None:
-    """The same, but None where the terrain is unknown."""
-    return known_ground(LoadedScenario(scenario, Path("parameters")))
-
-
-def ground_of(scenario: Scenario) -> Ground:
-    """Heights of a node's terrain; raises TerrainError."""
-    return dem_of(scenario).height
