@@ -44,7 +44,7 @@ class BagFacts:
     """Times are ns since the epoch.
 
     `complete` is False where the recording was killed or files are missing; the facts are those of
-    what is there.
+    what is there, and `notes` say what is not.
     """
 
     files: tuple[str, ...]
@@ -55,6 +55,12 @@ class BagFacts:
     duration_ns: int
     topics: tuple[BagTopic, ...]
     complete: bool = True
+    notes: tuple[str, ...] = ()
+
+    @property
+    def named_topics(self) -> tuple[BagTopic, ...]:
+        """Topics without the events of services."""
+        return tuple(each for each in self.topics if not each.name.endswith(_SERVICE))
 
     @property
     def message_count(self) -> int:
@@ -64,7 +70,7 @@ class BagFacts:
 
 def info_text(facts: BagFacts) -> str:
     """Text of a bag's facts; times of day are local."""
-    topics = [each for each in facts.topics if not each.name.endswith(_SERVICE)]
+    topics = facts.named_topics
     services = [each for each in facts.topics if each.name.endswith(_SERVICE)]
     listed = [
         f"Topic: {each.name} | Type: {each.type_name} | Count: {each.count} | "

@@ -52,6 +52,7 @@ class Bag:
         alone = self.path.is_file()
         beside = self._files if alone else [each for each in self.path.iterdir() if each.is_file()]
         listed = [Path(each).name for each in self._written.get("relative_file_paths", ())]
+        whole = all(each.complete for each in self._parts)
         return BagFacts(
             files=(str(self.path),) if alone else tuple(names),
             size_bytes=sum(each.stat().st_size for each in beside),
@@ -60,9 +61,43 @@ class Bag:
             start_ns=min(span_ns, default=EMPTY_START_NS),
             duration_ns=max(span_ns, default=0) - min(span_ns, default=0),
             topics=_merged(self._parts),
-            complete=all(each.complete for each in self._parts)
-            and (alone or sorted(listed) == sorted(names)),
+            complete=whole and (alone or sorted(listed) == sorted(names)),
+            notes=tuple(_notes(self.path, self._files, listed, whole)),
         )
+
+
+def _notes(path: Path, files: list[Path], listed: list[str], whole: bool) -> Iterator[str]:
+    """What of a recording is not there, or is there and not read, a line each."""
+    if not whole:
+        yield f"{path}: the recording was not finished; this is what was recovered."
+    if path.is_file():
+        beside = [each.name for each in _files(path.parent) if _series(each) == _series(path)]
+        if len(beside) > 1:
+            others = ", ".join(name for name in beside if name != path.name)
+            yield f"{path}: is one part of a recording; {others} are not read. Name the folder."
+        return
+    names = [file.name for file in files]
+    if not listed:
+        why = "the recording was not finished, or metadata.yaml is lost"
+        yield f"{path}: {why}; all {len(names)} files there are read."
+        numbers = sorted(_number(file) for file in files if _series(file) == _series(files[0]))
+        if numbers != list(range(numbers[0], numbers[0] + len(numbers))) or numbers[0] > 0:
+            yield f"{path}: parts {', '.join(map(str, numbers))} are there, others are missing."
+        return
+    if missing := sorted({*listed} - {*names}):
+        yield f"{path}: {', '.join(missing)} of the recording are missing."
+    if more := sorted({*names} - {*listed}):
+        yield f"{path}: {', '.join(more)} are read though metadata.yaml does not name them."
+
+
+def _series(file: Path) -> tuple[str, str]:
+    """What the parts of one recording have in common: split_3.db3 is of ("split_", ".db3")."""
+    stem, _, suffix = file.name.partition(".")
+    return stem.rstrip("0123456789"), f".{suffix}"
+
+
+def _number(file: Path) -> int:
+    return int(file.name.partition(".")[0].removeprefix(_series(file)[0]) or 0)
 
 
 def _merged(parts: list[IndexedPart | ScannedPart]) -> tuple[BagTopic, ...]:
@@ -91,4 +126,9 @@ def _files(path: Path) -> list[Path]:
     files = [file for file in path.iterdir() if _STORAGE.search(file.name)]
     if not files:
         raise BagError(f"{path}: cannot be read as a bag: it has no .mcap or .db3 file.")
+    if len({".db3" in file.name for file in files}) > 1:
+        raise BagError(
+            f"{path}: holds .mcap and .db3 files, which are two recordings or one twice. Name one "
+            "file, or move the others elsewhere."
+        )
     return sorted(files, key=lambda file: [int(part) for part in re.findall(r"\d+", file.name)])

@@ -36,13 +36,17 @@ def info(bag: Path, names_only: bool) -> int:
 
     facts = Bag(bag).facts
     if names_only:
-        for topic in facts.topics:
+        for topic in facts.named_topics:
             click.echo(topic.name)
-        return 0
-    click.echo(info_text(facts))
-    if not facts.complete:
-        click.echo(f"{bag}: the recording was not finished; this is what was recovered.", err=True)
+    else:
+        click.echo(info_text(facts))
+    _say(facts.notes)
     return 0
+
+
+def _say(notes: tuple[str, ...]) -> None:
+    for note in notes:
+        click.echo(note, err=True)
 
 
 @command.command("record")
@@ -169,6 +173,7 @@ def play(
 
     renamed = _remap([*remap, *(each for each in more if ":=" in each)])
     opened = Bag(bag)
+    _say(opened.facts.notes)
     with session_of(spin_time, "rosbag2_player") as session:
         from jfto.bag.player import Player, PlayOptions
         from jfto.ros_cli.session import Stopped
@@ -237,7 +242,9 @@ def replay(
     if not names or not set(names) <= set(NODES):
         raise click.BadParameter(f"choose from {', '.join(NODES)}.", param_hint="--nodes")
     folder = bag if bag.is_dir() else bag.parent
-    found = replay_bag(Bag(bag), names, params_file or folder / PARAMETERS_NAME, tolerance_db)
+    opened = Bag(bag)
+    _say(opened.facts.notes)
+    found = replay_bag(opened, names, params_file or folder / PARAMETERS_NAME, tolerance_db)
     if output is not None:
         write_outputs(found, output)
     click.echo(f"{found.input_count} inputs, {len(found.outputs)} outputs, {found.digest[:16]}")

@@ -96,6 +96,26 @@ def test_all_parts_of_a_split_recording_are_read(bags, tmp_path):
     assert Bag(tmp_path / "many").facts.files[-1] == "split_10.db3"
 
 
+def test_what_of_a_recording_is_not_read_is_said(bags, tmp_path):
+    """A lost metadata.yaml, one part named alone, a part that is gone, two recordings in one."""
+    split = bags / "split_sqlite3"
+    assert "all 3 files there are read" in Bag(split).facts.notes[0]
+    (note,) = Bag(split / "split_1.db3").facts.notes
+    assert "split_0.db3, split_2.db3 are not read. Name the folder" in note
+    shutil.copytree(split, tmp_path / "gap")
+    (tmp_path / "gap" / "split_1.db3").unlink()
+    assert "parts 0, 2 are there, others are missing" in Bag(tmp_path / "gap").facts.notes[1]
+    assert Bag(bags / "jazzy_mcap").facts.notes == ()
+    shutil.copy(bags / "jazzy_mcap" / "jazzy_mcap_0.mcap", tmp_path / "gap")
+    with pytest.raises(BagError, match="two recordings or one twice"):
+        Bag(tmp_path / "gap")
+    shutil.copytree(bags / "jazzy_sqlite3", tmp_path / "lost")
+    (tmp_path / "lost" / "jazzy_sqlite3_0.db3").rename(tmp_path / "lost" / "other_0.db3")
+    missing, more = Bag(tmp_path / "lost").facts.notes
+    assert "jazzy_sqlite3_0.db3 of the recording are missing" in missing
+    assert "other_0.db3 are read though" in more
+
+
 def test_part_that_is_missing_or_empty_is_told(bags, tmp_path):
     """What is there is read, and the bag is not complete."""
     shutil.copytree(bags / "jazzy_mcap", tmp_path / "bag")
