@@ -28,6 +28,13 @@ RECORDINGS = (
     "14_fence_gps_motor",
     "15_mavlink1",
 )
+# Flown by JFTO itself over other ground; what the vehicles had been given beforehand.
+FLOWN = {
+    "20_flown_ceiling": {"FENCE_ENABLE": 1.0},
+    "21_flown_wind": {"SIM_WIND_SPD": 8.0, "SIM_WIND_DIR": 270.0},
+}
+# A mission of 260 s; calm ones end within a second.
+LATE_IN_WIND_S = 6.0
 
 
 @pytest.mark.slow
@@ -59,3 +66,30 @@ def test_wrong_codes_do_not_match():
     score = compare("wrong", recorded, simulated)
     acks = sum(a.message.get_type() == "MISSION_ACK" for a in recorded)
     assert sum(a.message.get_type() == "MISSION_ACK" for a in score.missed) == acks
+
+
+def flown(name):
+    return replay(read_recording(DATA / f"{name}.tlog.xz"), FLOWN[name])
+
+
+def test_a_ceiling_under_a_mission_ends_it_as_recorded():
+    """Checks before there is a position, breach and way home: texts, codes and times."""
+    score = compare("20_flown_ceiling", *flown("20_flown_ceiling"))
+    missed = [str(a.message) for a in score.missed if a.message.get_type() in ANSWERS]
+    assert score.share >= LEAST_SHARE, missed
+
+
+def test_a_mission_in_wind_is_as_late_as_recorded():
+    """8 m/s across and against it: every waypoint within 6 s of the real one's."""
+    recorded, simulated = (
+        {
+            a.message.text: a.time_s
+            for a in side
+            if a.message.get_type() == "STATUSTEXT" and a.message.text.startswith("Reached")
+        }
+        for side in flown("21_flown_wind")
+    )
+    assert len(recorded) > 10
+    assert set(recorded) <= set(simulated)
+    late = {text: simulated[text] - recorded[text] for text in recorded}
+    assert max(map(abs, late.values())) < LATE_IN_WIND_S, late

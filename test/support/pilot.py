@@ -1,15 +1,11 @@
-"""A plain ground station: talks to one vehicle on one port and counts the vehicle's time.
+"""A plain ground station: talks to one `Vehicle` on one port in simulated time, nothing lost.
 
-`Pilot` moves a `Vehicle` in simulated time, nothing lost; `LivePilot` listens to one that runs by
-itself behind a socket, simulated or real. A test that asks neither for `vehicle` runs on both.
+A test that does not ask it for `vehicle` can be given a `LivePilot` instead.
 """
 
 from __future__ import annotations
 
 import math
-import select
-import socket
-import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
@@ -19,13 +15,10 @@ from jfto_sim.mission.items import Item
 from jfto_sim.vehicle import Vehicle
 
 READY_S = 43.0
-_SLICE_S = 0.05
+SLICE_S = 0.05
 _HEARTBEAT_S = 1.0
 # the real height estimate wanders more than the simulated one
 _SETTLED_M = 0.5
-_PATIENCE_S = 120.0
-_CHUNK = 65536
-_POSITION_KNOWN = mavlink.EKF_POS_HORIZ_ABS
 
 
 class PilotError(JftoError):
@@ -94,7 +87,7 @@ class Pilot:
         """Let time pass; returns what was heard meanwhile."""
         first, end = len(self.heard), self.now_s + seconds
         while end - self.now_s > 1e-9:
-            self._go_on(min(end - self.now_s, _SLICE_S))
+            self._go_on(min(end - self.now_s, SLICE_S))
         return self.heard[first:]
 
     def _go_on(self, step_s: float) -> None:
@@ -114,7 +107,7 @@ class Pilot:
         """Run until a message that fits is heard; raises PilotError if none comes in time."""
         end = self.now_s + limit_s
         while self.now_s < end:
-            for heard in self.run(_SLICE_S):
+            for heard in self.run(SLICE_S):
                 if what(heard.message):
                     return heard
         raise PilotError(f"Nothing fitting was heard from the vehicle within {limit_s:g} s.")
@@ -260,80 +253,3 @@ class Pilot:
     def texts(self) -> list[str]:
         """All STATUSTEXT heard so far."""
         return [h.message.text for h in self.heard if h.message.get_type() == "STATUSTEXT"]
-
-
-class LivePilot(Pilot):
-    """The same on a TCP port of a vehicle that runs by itself, on its own clock.
-
-    Raises PilotError where the vehicle falls silent for `_PATIENCE_S` seconds of the wall.
-    """
-
-    def __init__(
-        self,
-        address: tuple[str, int],
-        *,
-        real: bool,
-        sysid: int = 1,
-        system: int = 255,
-        component: int = 190,
-    ) -> None:
-        self.real = real
-        self._sysid, self._now_s = sysid, 0.0
-        self._socket = socket.create_connection(address, _PATIENCE_S)
-        self._listen(system, component)
-        wall_s = time.monotonic() + _PATIENCE_S
-        while not self._now_s and time.monotonic() < wall_s:
-            # asked again: what comes before the vehicle has powered up is lost
-            number = mavlink.MAV_CMD_SET_MESSAGE_INTERVAL
-            wanted = (mavlink.MAVLINK_MSG_ID_SYSTEM_TIME, _SLICE_S * 1e6, 0.0, 0.0, 0.0, 0.0, 0.0)
-            self.send(mavlink.MAVLink_command_long_message(sysid, 1, number, 0, *wanted))
-            self._go_on(_SLICE_S)
-
-    @property
-    def sysid(self) -> int:
-        """The vehicle's system id."""
-        return self._sysid
-
-    @property
-    def now_s(self) -> float:
-        """The vehicle's time as it last said."""
-        return self._now_s
-
-    def _put(self, frame: bytes) -> None:
-        self._socket.sendall(frame)
-
-    def _pass(self, step_s: float) -> Iterable[bytes]:
-        del step_s
-        ready, _, _ = select.select([self._socket], [], [], _PATIENCE_S)
-        data = self._socket.recv(_CHUNK) if ready else b""
-        if not data:
-            raise PilotError("The vehicle has fallen silent.")
-        return [data]
-
-    def _take(self, message: Message) -> None:
-        if message.get_type() == "SYSTEM_TIME":
-            self._now_s = message.time_boot_ms / 1000.0
-        super()._take(message)
-
-    def wait(self, what: Callable[[Message], bool], limit_s: float = 5.0) -> Heard:
-        """Run until a message that fits is heard; raises PilotError if none comes in time."""
-        end_s, wall_s = self.now_s + limit_s, time.monotonic() + _PATIENCE_S
-        while self.now_s < end_s and time.monotonic() < wall_s:
-            first = len(self.heard)
-            self._go_on(_SLICE_S)
-            for heard in self.heard[first:]:
-                if what(heard.message):
-                    return heard
-        raise PilotError(f"Nothing fitting was heard from the vehicle within {limit_s:g} s.")
-
-    def ready(self) -> None:
-        """Wait until the vehicle knows where it is; then its own checks may pass."""
-        self.every(mavlink.MAVLINK_MSG_ID_EKF_STATUS_REPORT, 0.5)
-        self.wait(
-            lambda m: m.get_type() == "EKF_STATUS_REPORT" and m.flags & _POSITION_KNOWN, READY_S * 2
-        )
-        self.run(2.0)
-
-    def close(self) -> None:
-        """Give the socket back."""
-        self._socket.close()

@@ -19,7 +19,8 @@ from jfto_sim import Vehicle, VehicleConfig
 from jfto_sim.config import fleet
 from jfto_sim.server import ServerSettings, SimServer
 from support.arducopter import LINK, PILOT, ArduCopter, binary
-from support.pilot import LivePilot, Pilot
+from support.live_pilot import LivePilot
+from support.pilot import Pilot
 
 SPEEDUP = 8.0
 

@@ -29,7 +29,7 @@ class Answer:
 class _Player:
     """One simulated vehicle under replay; collects what it says."""
 
-    def __init__(self, recording: Recording, system: int) -> None:
+    def __init__(self, recording: Recording, system: int, parameters: dict[str, float]) -> None:
         self.system = system
         self.clock = recording.clocks[system]
         zero_s = self.clock.starts[0]
@@ -46,7 +46,9 @@ class _Player:
             "home_lon_deg": first.longitude * 1e-7,
             "home_alt_m": first.altitude * 1e-3,
         }  # fmt: skip
-        config = VehicleConfig(sysid=system, utc_at_boot_us=round(zero_s * 1e6), **place)
+        config = VehicleConfig(
+            sysid=system, utc_at_boot_us=round(zero_s * 1e6), parameters=parameters, **place
+        )
         self.vehicle = Vehicle(config)
         self.epoch = 0
         self.answers: list[Answer] = []
@@ -89,9 +91,15 @@ def _astray(recording: Recording) -> dict[int, int]:
     return found
 
 
-def replay(recording: Recording) -> tuple[list[Answer], list[Answer]]:
-    """Returns (recorded answers, simulated answers), each in order of time per vehicle."""
-    players = {system: _Player(recording, system) for system in _homes(recording)}
+def replay(
+    recording: Recording, parameters: dict[str, float] | None = None
+) -> tuple[list[Answer], list[Answer]]:
+    """Returns (recorded answers, simulated answers), each in order of time per vehicle.
+
+    `parameters` are those that the vehicles had been given before the recording began.
+    """
+    given = parameters or {}
+    players = {system: _Player(recording, system, given) for system in _homes(recording)}
     ports_by_file = len({port for port, _ in recording.entries}) > 1
     astray = _astray(recording)
     recorded: list[Answer] = []
