@@ -11,6 +11,7 @@ from functools import partial
 from typing import Any
 
 from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.task import Future
@@ -29,8 +30,11 @@ from jfto_mavlink.flight.telemetry import (
     PositionSample,
 )
 from jfto_mavlink.mission.limits import Ground
+from jfto_mavlink.mission_state import MissionState, encode_mission_state
 from jfto_mavlink.operation import Incoming, NodeSide, Operation, open_operation, real_roster
 from jfto_mavlink.options import BridgeOptions
+from jfto_mavlink.order_server import OrderServer
+from jfto_mavlink.order_services import OrderServices, OrderState
 from jfto_mavlink.protocol.exchange import Report
 from jfto_mavlink.ros_messages import (
     Expected,
@@ -39,8 +43,9 @@ from jfto_mavlink.ros_messages import (
     node_status,
     uav_status,
 )
-from jfto_msgs_py.errors import InputError, JftoError
-from jfto_msgs_py.records.event import INFO, Event
+from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.order_socket import order_socket
+from jfto_msgs_py.records.event import ERROR, INFO, Event
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.clock import TickedClock
 from jfto_msgs_py.ros.diagnostics import Status
@@ -66,9 +71,11 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
     ) -> None:
         self._ground_of = ground_of
         self._opening: Opening[Operation] | None = None
-        self._incoming: deque[Incoming | Operation] = deque(maxlen=INCOMING_KEPT)
-        self._answers: deque[tuple[Future, bool, str]] = deque()
+        self._incoming: deque[Incoming | Operation | OrderState] = deque(maxlen=INCOMING_KEPT)
+        self._orders = OrderServices(self._fleet_orders, self._take)
         self._waiting: list[Future] = []
+        self._server: OrderServer | None = None
+        self._state = MissionState()
         self._trajectories: dict[str, Any] = {}
         self._trouble: dict[str, str] = {}
         # Threads of ours wake the executor only while there is what they wake.
@@ -107,6 +114,9 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
                 partial(self._on_trajectory, uav),
                 qos.latched(),
             )
+        self._states = self.create_lifecycle_publisher(
+            DiagnosticStatus, topics.MISSION_STATE, qos.latched()
+        )
         group = ReentrantCallbackGroup()
         for name in topics.MISSION_SERVICES:
             verb = name.rpartition("/")[2]
@@ -118,6 +128,9 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
         """Open the links if they are not."""
         if self._operation is not None:
             self._operation.flight.begin()
+        self._publish_state()
+        if self._server is None:
+            self._server = self._serve()
         if self._opening is None:
             self._opening = Opening(self._open, self._take, self._say)
 
@@ -129,6 +142,9 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
 
     def released(self) -> None:
         """Stop what is streamed to and close the links."""
+        server, self._server = self._server, None
+        if server is not None:
+            server.close()
         opening, self._opening = self._opening, None
         if opening is not None:
             if opening.opened is not None:
@@ -141,7 +157,7 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
             self._alarm = None
         for answer in self._waiting:
             answer.set_result((False, "The bridge was cleaned up."))
-        for kept in (self._waiting, self._answers, self._incoming, self._trouble):
+        for kept in (self._waiting, self._orders.answers, self._incoming, self._trouble):
             kept.clear()
 
     @property
@@ -165,7 +181,26 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
             ground = partial(ground_of, scenario)
         return open_operation(stack, scenario.fleet.ids, options, ground, side)
 
-    def _take(self, one: Incoming | Operation) -> None:
+    def _serve(self) -> OrderServer | None:
+        """Orders from this computer without ROS, where nobody else takes them."""
+        try:
+            path = order_socket(self.context.get_domain_id())
+            return OrderServer(path, self._orders.obey)
+        except InputError as error:
+            self.get_logger().warning(f"jfto mission order will not find this bridge: {error}")
+            return None
+
+    def _fleet_orders(self) -> FleetOrders | str:
+        """The fleet's orders, or why there are none; called in threads."""
+        if not self.is_active:
+            return "The bridge is not active. Activate it first."
+        operation = self._operation
+        if operation is None:
+            note = "" if self._opening is None else self._opening.note
+            return f"The vehicles are not linked yet: {note}"
+        return operation.orders
+
+    def _take(self, one: Incoming | Operation | OrderState) -> None:
         """Hand something to the executor; called in other threads."""
         self._incoming.append(one)
         self._wake()
@@ -186,14 +221,24 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
     def _tell(self, event: Event) -> None:
         """Announce what an operator must learn of; changes of plain state are for the log."""
         if event.level < INFO:
-            self.get_logger().info(f"{event.uav_id}: {event.text}")
+            self.get_logger().debug(f"{event.uav_id}: {event.text}")
         else:
             self.announce(event)
+        if event.level >= ERROR:
+            self._change_state(self._state.alarmed(event.text))
+
+    def _change_state(self, state: MissionState) -> None:
+        if state != self._state:
+            self._state = state
+            self._publish_state()
+
+    def _publish_state(self) -> None:
+        self._states.publish(encode_mission_state(self._state))
 
     def _on_alarm(self) -> None:
         """Publish what came in, and answer services that are done."""
-        while self._answers:
-            answer, success, text = self._answers.popleft()
+        while self._orders.answers:
+            answer, success, text = self._orders.answers.popleft()
             if answer in self._waiting:
                 self._waiting.remove(answer)
                 answer.set_result((success, text))
@@ -201,6 +246,10 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
             one, operation = self._incoming.popleft(), self._operation
             if isinstance(one, Event):
                 self._tell(one)
+            elif isinstance(one, OrderState):
+                self._change_state(self._state.ordered(one))
+                if one.event is not None:
+                    self.announce(one.event)
             elif operation is None:
                 # It is of links that are closed already.
                 continue
@@ -210,6 +259,7 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
                     self._pass_on(uav)
             elif isinstance(one, LinkState | Recognised):
                 operation.take(one)
+                self._change_state(self._state.in_phase(operation.phase))
             elif self.is_active:
                 self._publish(operation, one)
 
@@ -245,29 +295,11 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
     async def _on_order(self, verb: str, request: Any, response: Any) -> Any:
         """Carry out an order in a thread; answers with what was done, or the numbered error."""
         del request
-        operation = self._operation
-        if not self.is_active:
-            response.message = "The bridge is not active. Activate it first."
-        elif operation is None:
-            note = "" if self._opening is None else self._opening.note
-            response.message = f"The vehicles are not linked yet: {note}"
-        else:
-            answer: Future = Future()
-            self._waiting.append(answer)
-            work = (answer, getattr(operation.orders, verb))
-            threading.Thread(target=self._obey, args=work, name=verb, daemon=True).start()
-            response.success, response.message = await answer
+        answer: Future = Future()
+        self._waiting.append(answer)
+        self._orders.begin(verb, answer)
+        response.success, response.message = await answer
         return response
-
-    def _obey(self, answer: Future, order: Callable[[], str]) -> None:
-        try:
-            done = (answer, True, order())
-        except JftoError as error:
-            done = (answer, False, str(error))
-        except Exception as error:  # noqa: BLE001  whoever asked is told
-            done = (answer, False, f"{type(error).__name__}: {error}")
-        self._answers.append(done)
-        self._wake()
 
     def _end(self, orders: FleetOrders) -> None:
         try:

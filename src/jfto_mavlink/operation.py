@@ -232,6 +232,16 @@ class Operation:
         self.states[one.uav] = one
         self.flight.take(one)
 
+    @property
+    def phase(self) -> str:
+        """What the fleet is at, in a word or two, for whoever gives orders."""
+        monitor = self.flight.monitor
+        if monitor.over:
+            return "over"
+        if not any(state.in_flight for state in self.states.values()):
+            return "on the ground"
+        return "held" if self.orders.held else "in flight"
+
     def pose(self, sample: PositionSample, stamp_ns: int) -> VehiclePose:
         """A position on the plan's map."""
         place = self._maps[sample.uav].position_m(sample.lat_deg, sample.lon_deg, sample.height_m)

@@ -7,20 +7,25 @@ import os
 import signal
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
+from rcl_interfaces.msg import Log
 from sensor_msgs.msg import BatteryState, NavSatFix
 from std_srvs.srv import Trigger
 
 from jfto.nodes.simulated_fleet import SimulatedFleetNode
 from jfto_mavlink.io.address import free_udp_port
 from jfto_mavlink.node import MavlinkBridgeNode
-from jfto_msgs_py.errors import ScenarioError
+from jfto_mavlink.order_server import OrderServer
+from jfto_msgs_py.errors import InputError, ScenarioError
+from jfto_msgs_py.order_socket import order_socket, send_order
 from jfto_msgs_py.plan_file import write_plan
 from jfto_msgs_py.ros import qos, topics
+from jfto_msgs_py.ros.events import decode_event
 from jfto_msgs_py.ros.vehicle import decode_pose
 from jfto_sim import VehicleConfig
 from jfto_sim.server import ServerSettings, SimServer
@@ -153,6 +158,60 @@ def test_an_abort_calls_a_start_off(graph, plan_file):
     assert not starting.result().success
     assert "the operator aborted" in starting.result().message
     graph.until(lambda: station.fact("uav1", "armed") == "false")
+
+
+def test_an_order_from_a_shell_reaches_the_vehicles_without_ros(graph, plan_file):
+    """`jfto mission order`: all obey, and everybody is told what was ordered and came of it."""
+    states = graph.collect(DiagnosticStatus, topics.MISSION_STATE, qos.latched())
+    events = graph.collect(Log, topics.EVENTS, qos.events())
+    station = simulated(graph, plan_file, 10.0)
+    station.ready()
+    assert station.call("upload")[0]
+    assert station.call("start")[0]
+    graph.until(lambda: states[-1].message == "in flight, start done")
+    command = [sys.executable, "-m", "jfto", "mission", "order", "home"]
+    environment = {**os.environ, "ROS_DOMAIN_ID": str(graph.context.get_domain_id())}
+    pressed_s = time.monotonic()
+    with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) as shell:
+        graph.until(lambda: states[-1].message.endswith("abort under way"))
+        print(f"taken by the bridge after {time.monotonic() - pressed_s:.2f} s")
+        graph.until(lambda: shell.poll() is not None)
+        assert shell.stdout.read() == "uav1 returning, uav2 returning\n"
+        assert shell.returncode == 0
+    graph.until(lambda: states[-1].message == "in flight, abort done")
+    graph.until(lambda: station.fact("uav2", "mode") == "RTL")
+    told = [event.text for event in map(decode_event, events) if event.kind == "order"]
+    assert told[-1] == "abort: uav1 returning, uav2 returning"
+    assert told[0].startswith("upload: 2 missions on board")
+
+
+def test_an_order_that_fails_is_no_success_and_stays_an_alarm(graph, plan_file):
+    """Whoever comes later sees it too; an order that is obeyed ends the alarm."""
+    station = simulated(graph, plan_file, 10.0)
+    station.ready()
+    success, text = station.call("pause")
+    assert not success
+    states = graph.collect(DiagnosticStatus, topics.MISSION_STATE, qos.latched())
+    graph.until(lambda: bool(states))
+    assert states[-1].level == b"\x02"
+    assert states[-1].message == text
+    assert station.call("upload")[0]
+    graph.until(lambda: states[-1].message == "on the ground, upload done")
+
+
+def test_no_bridge_is_said_and_another_domain_named():
+    """An order that nobody takes is an error at once."""
+    with pytest.raises(InputError, match="no bridge runs on this computer on ROS domain 231"):
+        send_order("home", 231)
+    server = OrderServer(order_socket(232), lambda verb: (True, verb))
+    try:
+        assert send_order("home", 232) == (True, "abort")
+        with pytest.raises(InputError, match=r"on 232: set ROS_DOMAIN_ID|on .*, 232: set ROS_"):
+            send_order("home", 231)
+        with pytest.raises(InputError, match="another bridge takes orders there"):
+            OrderServer(order_socket(232), lambda verb: (True, verb))
+    finally:
+        server.close()
 
 
 def test_real_vehicles_are_not_armed_unasked(graph, plan_file):

@@ -11,6 +11,7 @@ import click
 
 from jfto import __version__
 from jfto.cli.failure import EXIT_INTERRUPTED, EXIT_OTHER, show_error, show_unexpected
+from jfto.cli.quick_order import quick_order
 from jfto_msgs_py.errors import JftoError
 
 # Command: its module in jfto.cli and what it does. Modules load when their command runs, so that
@@ -85,7 +86,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # For whoever has to find a cause: tracebacks instead of sentences, whatever the command.
     arguments = [one for one in arguments if one != "--debug"]
     try:
-        result = cli.main(arguments, prog_name="jfto", standalone_mode=False)
+        result = quick_order(arguments)
+        if result is None:
+            result = cli.main(arguments, prog_name="jfto", standalone_mode=False)
         return result if isinstance(result, int) else 0
     except click.ClickException as error:
         error.show()

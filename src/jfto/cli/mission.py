@@ -15,6 +15,9 @@ from jfto.cli.options import (
     speedup_option,
     vehicles_option,
 )
+from jfto.cli.quick_order import order_bridge
+from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.order_socket import VERBS
 
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
@@ -190,15 +193,25 @@ def sign(key_file: Path, create: bool, **choices: Any) -> int:
 
 
 @command.command("order")
-@click.argument("order", type=click.Choice(["pause", "resume", "hold", "return", "land"]))
-@_vehicles_option
+@click.argument("order", type=click.Choice(list(VERBS)))
+@vehicles_option(scenario=False)
 @key_option
 @click.option("--only", metavar="UAV", multiple=True, help="These vehicles; all if left out.")
 def order_command(order: str, only: tuple[str, ...], **choices: Any) -> int:
     """Tell flying vehicles to pause, resume, hold, return home or land, and see them do it.
 
-    Vehicles that are not heard do not keep the others from being told.
+    The bridge that runs on this computer, on the ROS domain of ROS_DOMAIN_ID, tells all of them at
+    once. With --vehicles they are linked by this command itself, which takes seconds; vehicles that
+    are not heard do not keep the others from being told.
+
+    \b
+    Example:  jfto mission order home
+              jfto mission order land --vehicles udpin:0.0.0.0:14550 --only uav2
     """
+    if not choices["vehicles"]:
+        if only or choices["key_file"] is not None:
+            raise InputError("--only and --key are for links of one's own: give --vehicles.")
+        return order_bridge(order)
     from jfto.console.vehicles import show_vehicles
     from jfto_mavlink.errors import RosterError
     from jfto_mavlink.flight import control
@@ -208,6 +221,7 @@ def order_command(order: str, only: tuple[str, ...], **choices: Any) -> int:
         "pause": control.pause,
         "resume": control.resume,
         "hold": control.brake,
+        "home": control.return_home,
         "return": control.return_home,
         "land": control.land,
     }

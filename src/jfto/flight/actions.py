@@ -16,10 +16,14 @@ class Order:
 
 @dataclass(frozen=True)
 class Tell:
-    """Tell the operator a line; `level` is INFO, WARN or ERROR."""
+    """Tell the operator a line; `level` is INFO, WARN or ERROR.
+
+    `known` says that everybody has been told already, by whoever carried the order out.
+    """
 
     text: str
     level: int = INFO
+    known: bool = False
 
 
 @dataclass(frozen=True)

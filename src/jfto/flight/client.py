@@ -36,6 +36,8 @@ from jfto_msgs_py.ros.vehicle import decode_pose
 NODE_NAME = "conductor"
 # How long the network is listened to for graphs that run already.
 _LISTEN_S = 1.0
+# An operator's key is looked for so often while nothing else comes.
+_GLANCE_S = 0.05
 
 
 class Client:
@@ -57,6 +59,11 @@ class Client:
         self._answered = answered
         # Whether the bridge has told how the flights of all ended.
         self.fleet_ended = False
+        # Made before they are needed: who is found first must not be looked for in an emergency.
+        self._services = {
+            name.rpartition("/")[2]: node.create_client(Trigger, name)
+            for name in topics.MISSION_SERVICES
+        }
         self._orders: dict[str, Any] = {}
         # Poses come by the hundred: only the last of each is decoded, when somebody looks.
         self._poses: dict[str, bytes] = {}
@@ -83,11 +90,11 @@ class Client:
         """The vehicles' time, ns since the epoch; 0 until simulated time has come."""
         return int(self._node.get_clock().now().nanoseconds)
 
-    def spin(self, duration_s: float) -> None:
-        """Take in what comes within a while."""
+    def spin(self, duration_s: float, urgent: Callable[[], bool] = lambda: False) -> None:
+        """Take in what comes within a while, less where something is urgent."""
         end_s = time.monotonic() + duration_s
-        while (left_s := end_s - time.monotonic()) > 0:
-            self._executor.spin_once(timeout_sec=left_s)
+        while (left_s := end_s - time.monotonic()) > 0 and not urgent():
+            self._executor.spin_once(timeout_sec=min(left_s, _GLANCE_S))
         self._exchange()
 
     def fleet(self) -> FleetStatus:
@@ -97,7 +104,8 @@ class Client:
     def order(self, verb: str) -> None:
         """Call a mission service once it is there; its answer comes through `answered`."""
         self._drop(verb)
-        self._orders[verb] = (self._node.create_client(Trigger, topics.mission(verb)), None)
+        self._orders[verb] = (self._services[verb], None)
+        self._exchange()
 
     def _exchange(self) -> None:
         """Send what can be sent by now, and pass on the answers that have come."""
@@ -116,11 +124,9 @@ class Client:
             self._drop(verb)
 
     def _drop(self, verb: str) -> None:
-        client, future = self._orders.pop(verb, (None, None))
+        _, future = self._orders.pop(verb, (None, None))
         if future is not None:
             future.cancel()
-        if client is not None:
-            self._node.destroy_client(client)
 
     def publish_event(self, level: int, kind: str, text: str) -> None:
         """Tell everybody, the recorder too, what happened and what was done."""

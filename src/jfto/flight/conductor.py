@@ -29,7 +29,8 @@ class Stage(Enum):
 
 # Stages before which nothing has been told to arm.
 _EARLY = (Stage.LINK, Stage.UPLOAD, Stage.CHECK, Stage.CONFIRM)
-_VERBS = {Stage.UPLOAD: "upload", Stage.CHECK: "check", Stage.START: "start", Stage.HOME: "abort"}
+_HOME = "abort"
+_VERBS = {Stage.UPLOAD: "upload", Stage.CHECK: "check", Stage.START: "start", Stage.HOME: _HOME}
 
 
 class Conductor:
@@ -47,6 +48,8 @@ class Conductor:
         self._pending = ""
         self._ordered_s = self._again_s = 0.0
         self._lost_answer = False
+        # How they are brought down: home, or landing where they are.
+        self._down = _HOME
         self._interrupted = self._flown = False
         self._why = ""
         # Who has been seen armed since the fleet was told to start.
@@ -80,12 +83,12 @@ class Conductor:
         if verb != self._pending:
             return
         self._pending = ""
-        if verb == "abort":
+        if self.stage == Stage.HOME:
             if not success:
-                self._tell(f"Home was ordered, not all obeyed yet: {text} Ordering again.", ERROR)
+                self._tell(f"Not all obeyed yet: {text} Ordering again.", ERROR)
             return
         if success:
-            self._tell(text)
+            self._actions.append(Tell(text, known=True))
             self._succeeded()
         elif self.stage == Stage.START:
             # A start that was broken off calls the others home; they are followed down.
@@ -117,6 +120,17 @@ class Conductor:
             )
         else:
             self._turn_home("Ctrl-C: home was ordered, and the fleet is followed until it is down.")
+
+    def order(self, verb: str, words: str) -> None:
+        """The operator gives an order to all in flight; `verb` is the bridge's service."""
+        if self.stage not in (Stage.START, Stage.FLY, Stage.HOME):
+            return
+        if verb in (_HOME, "land"):
+            self._down = verb
+            self._turn_home(f"By key: {words}.")
+        elif self.stage == Stage.FLY:
+            # Its answer is told by the bridge.
+            self._actions.append(Order(verb))
 
     def bridge_died(self) -> None:
         """The bridge's process has ended and comes back: the answer of an order is lost."""
@@ -194,7 +208,7 @@ class Conductor:
                 "after home was ordered. Look for them; jfto mission order return calls again.",
             )
         elif not self._pending and fleet.now_s >= self._again_s and self._needs_home():
-            self._order("abort")
+            self._order(self._down)
 
     def _land(self) -> None:
         """Nobody flies any more whose link is up: say who is down and who is silent."""
@@ -215,7 +229,7 @@ class Conductor:
     def _overdue(self) -> None:
         verb, self._pending = self._pending, ""
         text = f"{verb}: no answer within {self._limit_s(verb):.0f} s."
-        if verb == "abort":
+        if verb in (_HOME, "land"):
             self._again_s = self._fleet.now_s
             self._tell(f"{text} Ordering home again.", ERROR)
         elif self.stage == Stage.START:
@@ -249,7 +263,7 @@ class Conductor:
         self._pending, self._lost_answer = "", False
         self._enter(Stage.HOME)
         if order:
-            self._order("abort")
+            self._order(self._down)
 
     def _needs_home(self) -> bool:
         """Whether somebody whose link is up flies and is not on the way home or down."""
@@ -308,4 +322,5 @@ class Conductor:
 
     def _limit_s(self, verb: str = "") -> float:
         patience = self.settings.patience
-        return patience.abort_s if (verb or self._pending) == "abort" else patience.order_s
+        down = (verb or self._pending) in (_HOME, "land")
+        return patience.abort_s if down else patience.order_s

@@ -15,6 +15,7 @@ from jfto.flight.actions import ERROR, INFO, WARN, Ask, Order, Tell
 from jfto.flight.conductor import Conductor, Stage
 from jfto.flight.fleet_status import FleetStatus
 from jfto.flight.interrupts import Interrupts
+from jfto.flight.keys import ORDERS, Keys
 from jfto.flight.outcome import Outcome
 from jfto.flight.screen.state import FlightState
 from jfto.flight.screen.tracker import FlightTracker
@@ -90,10 +91,11 @@ def fly(job: FlightJob, operator: Operator) -> FlightEnd:
 
     with (
         Interrupts() as interrupts,
+        Keys() as keys,
         open_client(job.plan, tracker, answered, use_sim_time=job.simulated) as client,
         _supervised(job) as graph,
     ):
-        return _Loop(job, operator, conductor, tracker, client, graph, interrupts).run()
+        return _Loop(job, operator, conductor, tracker, client, graph, (interrupts, keys)).run()
 
 
 class _Graph:
@@ -153,11 +155,11 @@ class _Loop:
         tracker: FlightTracker,
         client: Client,
         graph: _Graph,
-        interrupts: Interrupts,
+        hands: tuple[Interrupts, Keys],
     ) -> None:
         self._job, self._operator, self._conductor = job, operator, conductor
         self._tracker, self._client, self._graph = tracker, client, graph
-        self._interrupts = interrupts
+        self._interrupts, self._keys = hands
         self._deaths: list[Death] = []
         self._flight: list[FleetStatus] = []
         self._shown_s = 0.0
@@ -166,10 +168,9 @@ class _Loop:
         """Until the conductor has an outcome."""
         conductor, fleet = self._conductor, self._client.fleet()
         while conductor.outcome is None:
-            self._client.spin(_LOOK_S)
+            self._client.spin(_LOOK_S, self._is_urgent)
             self._take_deaths()
-            if self._interrupts.take():
-                conductor.interrupt()
+            self._obey_operator()
             fleet = self._client.fleet()
             conductor.step(fleet)
             self._act()
@@ -179,6 +180,20 @@ class _Loop:
         level = INFO if conductor.outcome.good else WARN
         self._client.publish_event(level, "order", conductor.outcome.text)
         return FlightEnd(conductor.outcome, fleet, self._speedup(), tuple(self._deaths))
+
+    def _is_urgent(self) -> bool:
+        return self._interrupts.pending or self._keys.pending()
+
+    def _obey_operator(self) -> None:
+        """Act on Ctrl-C and on keys at once, before anything else is looked at."""
+        if self._in_flight:
+            self._keys.listen()
+        if self._interrupts.take():
+            self._conductor.interrupt()
+        key = self._keys.take()
+        if key:
+            self._conductor.order(*ORDERS[key])
+        self._act()
 
     def _await_last_events(self) -> None:
         """How each flight ended, which the bridge tells a moment after all were seen down."""
@@ -213,7 +228,9 @@ class _Loop:
             if isinstance(action, Order):
                 self._client.order(action.verb)
             elif isinstance(action, Tell):
-                self._publish(action.text, action.level)
+                if not action.known:
+                    self._client.publish_event(action.level, "order", action.text)
+                self._show_line(action.text, action.level)
             elif isinstance(action, Ask):
                 yes = self._operator.ask(self._idle)
                 if not self._interrupts.pending:
@@ -225,9 +242,13 @@ class _Loop:
         self._take_deaths()
         return not self._interrupts.pending and self._conductor.outcome is None
 
-    def _publish(self, text: str, level: int, kind: str = "order") -> None:
-        """In flight the screen shows it as an event; before there is one it is a line."""
+    def _publish(self, text: str, level: int, kind: str) -> None:
+        """Tell everybody."""
         self._client.publish_event(level, kind, text)
+        self._show_line(text, level)
+
+    def _show_line(self, text: str, level: int) -> None:
+        """In flight the screen shows it as an event; before there is one it is a line."""
         if not self._in_flight:
             self._operator.tell(text, level)
 

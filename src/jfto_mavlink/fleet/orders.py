@@ -51,6 +51,8 @@ class FleetOrders:
     """Flies missions of a plan in AUTO; trajectories are offered to it and let be."""
 
     guided = False
+    # Whether an operator holds the fleet.
+    held = False
 
     def __init__(self, fleet: Fleet, settings: OrderSettings) -> None:
         self.fleet, self.settings = fleet, settings
@@ -91,12 +93,14 @@ class FleetOrders:
         """Hold every vehicle that flies its mission."""
         with self._order("pause"):
             chosen = self._flying(lambda vehicle: vehicle.mode == MODES["AUTO"])
+            self.held = True
             return self._all(chosen, pause, "paused")
 
     def resume(self) -> str:
         """Let all go on that are in the air and not on their way home or down."""
         with self._order("resume"):
             chosen = self._flying(lambda vehicle: vehicle.mode not in LEAVING)
+            self.held = False
             return self._all(chosen, resume, "going on")
 
     def abort(self) -> str:
@@ -111,7 +115,7 @@ class FleetOrders:
 
     def called_off(self) -> None:
         """Whatever else is being done ends."""
-        self._aborted = True
+        self._aborted, self.held = True, False
         line = self._line
         if line is not None:
             line.failed = line.failed or "abort"

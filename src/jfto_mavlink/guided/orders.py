@@ -184,6 +184,7 @@ class GuidedOrders(FleetOrders):
         self._fly(CurveClock(self.fleet.runner.clock() - gone_s), state.zero_ns)
         self._paused_s = state.elapsed_s
         if state.paused:
+            self.held = True
             assert self._flight is not None
             self._flight.keep(paused=True)
             text = f"{', '.join(flying + holding)} hold: order resume, or home."
@@ -203,7 +204,7 @@ class GuidedOrders(FleetOrders):
     def _pause(self, uavs: list[str], reason: str) -> None:
         flight = self._flight
         assert flight is not None
-        self._paused_s = flight.elapsed_s() or 0.0
+        self._paused_s, self.held = flight.elapsed_s() or 0.0, True
         for uav in uavs:
             self._schedulers[uav].halt(reason)
         flight.stand()
@@ -218,7 +219,7 @@ class GuidedOrders(FleetOrders):
         self._streams = {uav: f for uav, f in self._streams.items() if uav not in uavs}
         self._streams |= {uav: Future() for uav in uavs}
         self._flight.go_on(self.fleet.runner.clock() + BEGIN_S, stopped_s, why)
-        self._paused_s = None
+        self._paused_s, self.held = None, False
         self._begin(uavs)
 
     def _fly(self, clock: CurveClock, zero_ns: int) -> None:

@@ -28,7 +28,7 @@ KINDS = {
     "battery": "a flight battery runs low",
     "link": "the link to a vehicle broke, or is back",
     "restart": "a node died and was started again",
-    "order": "the conductor of a run ordered something, or heard what came of it",
+    "order": "what was ordered, and what came of it",
     "guided": "trajectories streamed to vehicles: newer ones, or a stream that cannot go on",
     "pace": "how fast simulated vehicles' time passed, and for whom it waited",
     "lift_off": "the flight began",

@@ -13,6 +13,7 @@ TERRAIN = "/jfto/terrain"
 DIAGNOSTICS = "/diagnostics"
 EVENTS = "/jfto/events"
 LIFT_OFF = "/jfto/mission/lift_off"
+MISSION_STATE = "/jfto/mission/state"
 AIR_POWER = "/jfto/air/power"
 AIR_ENERGY = "/jfto/air/energy"
 AIR_RATE = "/jfto/air/rate"
@@ -21,7 +22,7 @@ AIR_GAIN = "/jfto/air/gain"
 CLOCK = "/clock"
 CLOCK_TAKEN = "/clock_taken"
 REPLAN = "/jfto/planner/replan"
-_MISSION_VERBS = ("upload", "check", "start", "pause", "resume", "abort")
+_MISSION_VERBS = ("upload", "check", "start", "pause", "resume", "abort", "land")
 MISSION_SERVICES = tuple(f"/jfto/mission/{verb}" for verb in _MISSION_VERBS)
 
 
