@@ -28,8 +28,8 @@ from jfto_planner.policy.network.environment import Episode
 from jfto_planner.policy.problems import Problems
 from jfto_planner.policy.training import generator
 from jfto_planner.policy.training.config import IMITATION, read_training
-from jfto_planner.policy.training.seeds import HELD_OUT, generator_of
-from jfto_planner.policy.training.teacher import solve
+from jfto_planner.policy.training.generator import HELD_OUT, generator_of
+from jfto_planner.policy.training.imitation import solve
 from jfto_planner.policy.training.trainer import HELD_OUT_EACH, HELD_OUT_SIZES, LOG
 
 mpl.use("Agg")

@@ -30,7 +30,7 @@ from jfto_planner.methods import first_sound_routes, learned_routes, search_from
 from jfto_planner.policy.compiled_policy import CompiledPolicy
 from jfto_planner.policy.problems import problem_of
 from jfto_planner.policy.training import generator
-from jfto_planner.policy.training.seeds import HELD_OUT, generator_of
+from jfto_planner.policy.training.generator import HELD_OUT, generator_of
 from jfto_planner.policy.weights import load_weights
 from jfto_planner.routing import RoutingProblem, SearchSettings, search
 from jfto_planner.routing.annealer import Annealer

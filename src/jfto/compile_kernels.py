@@ -37,8 +37,7 @@ def compile_kernels(say: Callable[[str], None]) -> int:
 
 
 def _terrain() -> None:
-    from jfto_world.terrain.cubic_surface import CubicSurface
-    from jfto_world.terrain.ray import cell_ceilings, first_hit
+    from jfto_world.terrain.cubic_surface import CubicSurface, cell_ceilings, first_hit
 
     surface = CubicSurface.through(np.zeros((3, 3)), 0.0, 0.0, 1.0, 1.0)
     surface.height_and_gradient(np.ones(1), np.ones(1))
@@ -113,10 +112,10 @@ def _curves() -> None:
 
 
 def _learned_routes() -> None:
-    from jfto_planner.policy.inference import plan_routes
+    from jfto_planner.policy.inference import ranked_routes
     from jfto_planner.policy.kernel.replay import fly_routes
     from jfto_planner.policy.problems import problems_of
     from jfto_planner.policy.weights import load_weights
 
-    plan_routes(load_weights(), _problem())
+    ranked_routes(load_weights(), _problem(), mode="greedy", most=1)
     fly_routes(problems_of(_problem()), np.full((1, 2, 1), len(_POINTS)))

@@ -43,7 +43,6 @@ class CoverageCertificate:
     incidence_mean_deg: float
     incidence_p95_deg: float
     surface_m2: float
-    sample_spacing_m: float
     blind: tuple[int, ...]
     x_m: Array
     y_m: Array
@@ -103,7 +102,6 @@ def certify_coverage(
         seen_twice=float(weight[views >= 2].sum() / weight.sum()),
         **_spread(depth * camera.gsd_per_metre, facing, weight, views >= 1),
         surface_m2=float(weight.mean() * dem.size_m[0] * dem.size_m[1]),
-        sample_spacing_m=float(max(x[1] - x[0], y[1] - y[0])),
         blind=tuple(blind),
         x_m=x,
         y_m=y,

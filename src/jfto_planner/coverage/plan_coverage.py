@@ -34,7 +34,6 @@ class CoverageNote:
 
     action: str
     waypoint_id: int | None
-    target_m: Vector
     reason: str
 
 
@@ -168,9 +167,8 @@ class _Placer:
         waypoints: list[Waypoint] = []
         notes: list[CoverageNote] = []
         for k in range(len(points)):
-            spot = _vector(target[k])
             if not aimed.possible[k]:
-                notes.append(CoverageNote("dropped", None, spot, aimed.reason[k]))
+                notes.append(CoverageNote("dropped", None, aimed.reason[k]))
                 continue
             number = first_id + len(waypoints)
             waypoints.append(
@@ -182,11 +180,11 @@ class _Placer:
                 )
             )
             if added:
-                notes.append(CoverageNote("added", number, spot, added))
+                notes.append(CoverageNote("added", number, added))
             if aimed.reason[k]:
                 gap_m = math.dist(_vector(aimed.position_m[k]), _vector(aimed.wished_m[k]))
                 text = f"{aimed.reason[k]}; taken {gap_m:.0f} m from the place on the normal"
-                notes.append(CoverageNote("moved", number, spot, text))
+                notes.append(CoverageNote("moved", number, text))
         return waypoints, notes
 
 

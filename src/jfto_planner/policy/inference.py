@@ -21,33 +21,12 @@ PENALTY = 1e3
 
 @dataclass(frozen=True)
 class PolicyRoutes:
-    """Best rollout: waypoint indices per UAV, length in m, and how many choices broke a rule.
-
-    `feasible_share` is the share of all rollouts that broke none.
-    """
+    """A rollout: waypoint indices per UAV, length in m, and how many choices broke a rule."""
 
     routes: tuple[tuple[int, ...], ...]
     length_m: float
     misses: int
     late_s: float
-    feasible_share: float
-
-
-def plan_routes(
-    policy: CompiledPolicy,
-    problem: RoutingProblem,
-    *,
-    mode: str = "greedy",
-    samples: int = SAMPLES,
-    seed: int = 0,
-) -> PolicyRoutes:
-    """Routes for one problem.
-
-    "greedy" takes the likeliest choice, "sample" the best of `samples` random rollouts, "symmetry"
-    the best greedy rollout of the scene's eight reflections and rotations. Raises InputError for
-    an unknown mode.
-    """
-    return ranked_routes(policy, problem, mode=mode, samples=samples, seed=seed, most=1)[0]
 
 
 def ranked_routes(
@@ -59,7 +38,12 @@ def ranked_routes(
     seed: int = 0,
     most: int,
 ) -> list[PolicyRoutes]:
-    """The `most` best rollouts of a mode as `plan_routes` takes it, no routes twice, best first."""
+    """The `most` best rollouts of a mode, no routes twice, best first.
+
+    "greedy" takes the likeliest choice, "sample" the best of `samples` random rollouts, "symmetry"
+    the best greedy rollout of the scene's eight reflections and rotations. Raises InputError for
+    an unknown mode.
+    """
     problems = problems_of(problem)
     if mode == "greedy":
         flown = policy.roll_out(problems)
@@ -102,7 +86,6 @@ def _ranked(
             length_m=float(flown.length[row]) * extent_m,
             misses=int(flown.misses[row]),
             late_s=float(flown.late[row]) * extent_m / mean_speed,
-            feasible_share=float((broken <= 0).mean()),
         )
         best.setdefault(found.routes, found)
         if len(best) == most:

@@ -9,7 +9,7 @@ import numpy as np
 
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.types import Array
-from jfto_world.motion.limits import MotionLimits
+from jfto_world.motion.time_model import MotionLimits
 
 GRAVITY_MPS2 = 9.80665
 

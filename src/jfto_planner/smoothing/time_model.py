@@ -11,7 +11,7 @@ from jfto_msgs_py.types import Array
 from jfto_planner.smoothing.limits import CurveLimits, rest_to_rest_s
 from jfto_planner.smoothing.smooth import RouteRequest, SmoothingSettings, smooth_route
 from jfto_planner.smoothing.trajectory import Trajectory
-from jfto_world.motion.limits import MotionLimits
+from jfto_world.motion.time_model import MotionLimits
 
 # share of the time lost by stops that flying through still loses, mean over random turns
 _SHORT_SHARE, _LONG_SHARE = 0.85, 0.35

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from jfto_msgs_py.errors import InputError
-from jfto_world.motion.constant_speed import ConstantSpeed
-from jfto_world.motion.time_model import TimeModel
+from jfto_world.motion.time_model import ConstantSpeed, TimeModel
 
 NAMES = ("arducopter", "constant_speed")
 

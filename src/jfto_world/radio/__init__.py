@@ -1,9 +1,8 @@
 """How radio waves and bits travel between UAVs."""
 
 from jfto_world.radio.channel import Channel, LogDistanceChannel, make_channel
-from jfto_world.radio.link import degrees, mutual_links, pairwise_distances
+from jfto_world.radio.link import degrees, mutual_links, noise_w, pairwise_distances, rate_bps
 from jfto_world.radio.loss_estimate import LossEstimate
-from jfto_world.radio.rate import noise_w, rate_bps
 
 __all__ = [
     "Channel",

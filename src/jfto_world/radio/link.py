@@ -1,11 +1,12 @@
-"""Who hears whom."""
+"""Who hears whom, and what a link carries."""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from jfto_msgs_py.types import Array
+from jfto_msgs_py.records.radio import Radio
+from jfto_msgs_py.types import Array, Flags, Ints
+from jfto_msgs_py.units import dbm_to_w
 
 
 def pairwise_distances(positions_m: Array) -> Array:
@@ -17,7 +18,7 @@ def pairwise_distances(positions_m: Array) -> Array:
     return np.sqrt(np.einsum("...k,...k->...", difference, difference))
 
 
-def mutual_links(gain: Array, power_w: Array, sensitivity_w: float) -> NDArray[np.bool_]:
+def mutual_links(gain: Array, power_w: Array, sensitivity_w: float) -> Flags:
     """Adjacency: a and b are linked iff min(p_a, p_b) h_ab ≥ γ (eq. cab, made symmetric).
 
     `gain` has shape (..., A, A) and `power_w` (..., A); the diagonal of the result is False.
@@ -28,6 +29,17 @@ def mutual_links(gain: Array, power_w: Array, sensitivity_w: float) -> NDArray[n
     return linked
 
 
-def degrees(adjacency: NDArray[np.bool_]) -> NDArray[np.int64]:
+def degrees(adjacency: Flags) -> Ints:
     """Number of neighbours k_a,n (eq. ka); shape (..., A) from (..., A, A) without self links."""
     return adjacency.sum(axis=-1)
+
+
+def noise_w(radio: Radio) -> float:
+    """Noise power in the whole band, σ²B, in watts, in the radio's reading of `noise_dbm`."""
+    power = float(dbm_to_w(radio.noise_dbm))
+    return power if radio.noise_reading == "total" else power * radio.bandwidth_hz
+
+
+def rate_bps(radio: Radio, power_w: Array, gain: Array) -> Array:
+    """Capacity R = B log2(1 + p h / σ²B) in bit/s (eq. Rab); arguments broadcast."""
+    return radio.bandwidth_hz * np.log1p(power_w * gain / noise_w(radio)) / np.log(2.0)

@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING
 
+from jfto_msgs_py.lazy import lazy_names
 from jfto_world.terrain.cubic_surface import CubicSurface
 from jfto_world.terrain.dem import Dem
 from jfto_world.terrain.frame import LocalFrame
@@ -11,15 +12,9 @@ if TYPE_CHECKING:
     from jfto_world.terrain.load import DEFAULT_MARGIN_M, load_dem
 
 __all__ = ["DEFAULT_MARGIN_M", "CubicSurface", "DeclaredHeights", "Dem", "LocalFrame", "load_dem"]
-
-
-def __getattr__(name: str) -> object:
-    """What reads rasters, when first asked for: GDAL takes longer to load than a frame is needed.
-
-    Most nodes only convert coordinates, and one that died must soon be back.
-    """
-    if name not in __all__:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from jfto_world.terrain import load
-
-    return getattr(load, name)
+# GDAL takes longer to load than a frame is needed: most nodes only convert coordinates, and one
+# that died must soon be back.
+__getattr__ = lazy_names(
+    __name__,
+    dict.fromkeys(("DEFAULT_MARGIN_M", "DeclaredHeights", "load_dem"), "jfto_world.terrain.load"),
+)

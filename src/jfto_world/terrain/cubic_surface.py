@@ -1,4 +1,4 @@
-"""A smooth surface through a regular grid of heights: the bicubic spline."""
+"""A smooth surface through a regular grid of heights, the bicubic spline; where rays meet it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.types import Array
-from jfto_world.terrain.kernels import evaluate_all
+from jfto_world.terrain.kernels import evaluate_all, first_hits, room_for_hits
 
 # The spline filter forgets its edge by a factor 0.27 a node: 24 nodes away by 1e-14.
 _PAD = 24
@@ -79,3 +79,36 @@ class CubicSurface:
         evaluate_all(self.coefficients, u.ravel(), v.ravel(), result)
         height, along_u, along_v = (row.reshape(u.shape) for row in result)
         return height, along_u / self.step_x, along_v / self.step_y
+
+
+def first_hit(
+    surface: CubicSurface, highest: Array, origin_m: Array, unit: Array, max_range_m: Array
+) -> Array:
+    """Distance along each ray to its first point on or below the surface; inf where it has none.
+
+    `origin_m` and `unit` (unit vectors) have shape (K, 3), `max_range_m` (K,). `highest` is
+    `cell_ceilings(surface)`. A ray sees the surface only above the grid; one that starts on or
+    below the surface hits at 0.
+    """
+    result = np.empty(len(origin_m))
+    grid = [surface.x0, surface.y0, surface.step_x, surface.step_y]
+    first_hits(
+        surface.coefficients,
+        highest,
+        np.array([*grid, surface.coefficients.min() - 1.0, highest.max()]),
+        np.ascontiguousarray(origin_m, dtype=np.float64),
+        np.ascontiguousarray(unit, dtype=np.float64),
+        np.ascontiguousarray(max_range_m, dtype=np.float64),
+        room_for_hits(),
+        result,
+    )
+    return result
+
+
+def cell_ceilings(surface: CubicSurface) -> Array:
+    """A bound from above of the surface in each cell, shape (ny - 1, nx - 1).
+
+    The greatest of the 16 coefficients that shape the cell (B-splines are convex combinations).
+    """
+    windows = np.lib.stride_tricks.sliding_window_view(surface.coefficients, (4, 4))
+    return np.ascontiguousarray(windows.max(axis=(-2, -1)))

@@ -11,9 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from jfto_msgs_py.errors import TerrainError
 from jfto_msgs_py.records.plan import Origin
 from jfto_msgs_py.types import Array
-from jfto_world.terrain.cubic_surface import CubicSurface
+from jfto_world.terrain.cubic_surface import CubicSurface, cell_ceilings, first_hit
 from jfto_world.terrain.frame import LocalFrame
-from jfto_world.terrain.ray import cell_ceilings, first_hit
 
 
 @dataclass(frozen=True)

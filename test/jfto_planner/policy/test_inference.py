@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from jfto_msgs_py.errors import InputError
-from jfto_planner.policy.inference import plan_routes, ranked_routes, turned_routes
+from jfto_planner.policy.inference import ranked_routes, turned_routes
 from jfto_planner.policy.problems import problem_of
 from jfto_planner.policy.weights import load_weights
 from jfto_planner.routing import RoutingProblem
@@ -27,7 +27,7 @@ def test_ranked_routes_come_best_first_and_once() -> None:
     sound = [length for broken, length in order if not broken]
     assert sound == sorted(sound)
     assert [broken for broken, _ in order] == sorted(broken for broken, _ in order)
-    assert ranked[0] == plan_routes(policy, problem, mode="sample", samples=32, seed=1)
+    assert ranked_routes(policy, problem, mode="sample", samples=32, seed=1, most=1) == ranked[:1]
     assert all(sorted(sum(one.routes, ())) == list(range(12)) for one in ranked)
 
 
@@ -36,8 +36,9 @@ def test_symmetries_one_by_one_hold_the_best_of_all_at_once() -> None:
     policy, problem = load_weights(), _problem()
     turned = list(turned_routes(policy, problem))
     assert len(turned) == 8
-    assert turned[0].routes == plan_routes(policy, problem).routes
-    best = plan_routes(policy, problem, mode="symmetry")
+    (greedy,) = ranked_routes(policy, problem, mode="greedy", most=1)
+    assert turned[0].routes == greedy.routes
+    (best,) = ranked_routes(policy, problem, mode="symmetry", most=1)
     assert best.length_m == pytest.approx(assess(problem, best.routes).length_m, rel=1e-5)
     assert best.routes in [one.routes for one in turned]
 
@@ -45,4 +46,4 @@ def test_symmetries_one_by_one_hold_the_best_of_all_at_once() -> None:
 def test_an_unknown_mode_is_named() -> None:
     """The error says what was asked for and what there is."""
     with pytest.raises(InputError, match=r"beam.*greedy, sample, symmetry"):
-        plan_routes(load_weights(), _problem(), mode="beam")
+        ranked_routes(load_weights(), _problem(), mode="beam", most=1)

@@ -9,7 +9,7 @@ import pytest
 
 from jfto_planner.routing import SearchSettings, search, suggest_cures
 from jfto_planner.routing.assess import assess
-from jfto_planner.routing.suggestions.gain import missing_gain_db, with_gain
+from jfto_planner.routing.suggestions.changes import missing_gain_db, with_gain
 
 QUICK = SearchSettings(moves=40_000, starts=1)
 

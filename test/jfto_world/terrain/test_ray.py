@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jfto_world.terrain import CubicSurface
-from jfto_world.terrain.ray import cell_ceilings, first_hit
+from jfto_world.terrain.cubic_surface import cell_ceilings, first_hit
 
 INF = np.inf
 

@@ -9,13 +9,30 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from jfto_planner.policy.features import TOUR
 from jfto_planner.policy.problems import Problems
 from jfto_world.terrain.sample_tile import jacksboro
 
+# Streams of random numbers that must not meet.
+TRAINING, EVALUATION, TEACHER, HELD_OUT = range(4)
 UNIFORM, GAUSSIAN, GRID, DEM = range(4)
 KINDS = ("uniform", "gaussian", "grid", "dem")
 # Metres per degree of latitude, for the spacing of the built-in terrain's cells.
 DEGREE_M = 111_195.0
+
+
+def generator_of(seed: int, stream: int, number: int, rank: int = 0) -> torch.Generator:
+    """Generator of one step, evaluation or shard of one worker: a function of these alone.
+
+    So a run that is resumed draws what the run that was killed would have drawn.
+    """
+    mixed = ((seed * 4 + stream) * 1_000_003 + number) * 64 + rank
+    return torch.Generator().manual_seed(mixed % 2**63)
+
+
+def between(limits: tuple[int, int], generator: torch.Generator) -> int:
+    """Whole number drawn from a closed range."""
+    return int(torch.randint(limits[0], limits[1] + 1, (1,), generator=generator))
 
 
 @dataclass(frozen=True)
@@ -57,7 +74,7 @@ def draw(
     reach = uniform(count, 1, low=ranges.reach_share[0], high=ranges.reach_share[1])
     reach = reach * uniform(count, uavs, low=1 - ranges.spread, high=1.0)
     speed = uniform(count, uavs, low=1 - ranges.spread / 2, high=1 + ranges.spread / 2)
-    share = 0.7124 * math.sqrt(waypoints) / uavs
+    share = TOUR * math.sqrt(waypoints) / uavs
     tight = uniform(count, 1, low=ranges.tightness[0], high=ranges.tightness[1])
     t_max = (tight * share + 0.5) * uniform(count, uavs, low=1 - ranges.spread, high=1.0)
     starts = _starts(generator, points, number, reach.amin(1))

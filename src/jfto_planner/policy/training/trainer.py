@@ -17,18 +17,17 @@ from jfto_msgs_py.errors import InputError
 from jfto_planner.policy.network.model import Policy
 from jfto_planner.policy.problems import Problems, turned
 from jfto_planner.policy.training import checkpoint
-from jfto_planner.policy.training import generator as scenes
 from jfto_planner.policy.training.baseline import BestModel, greedy_cost, greedy_outcomes
 from jfto_planner.policy.training.config import IMITATION, Stage, TrainingConfig
-from jfto_planner.policy.training.imitation import imitate, ready_shards
-from jfto_planner.policy.training.seeds import (
+from jfto_planner.policy.training.generator import (
     EVALUATION,
     HELD_OUT,
     TRAINING,
     between,
+    draw,
     generator_of,
 )
-from jfto_planner.policy.training.teacher import Teacher
+from jfto_planner.policy.training.imitation import Teacher, imitate, ready_shards
 from jfto_planner.policy.training.workers import Workers
 
 CHECKPOINT = "checkpoint.safetensors"
@@ -172,7 +171,7 @@ class Trainer:
         uavs = between(stage.uavs, common)
         own = generator_of(self.config.seed, TRAINING, self.step, self.workers.rank)
         count = stage.problems(waypoints)
-        batch = scenes.draw(own, count, waypoints, uavs, self.config.scenes)
+        batch = draw(own, count, waypoints, uavs, self.config.scenes)
         sampling = own
         if self.device.type != "cpu":
             sampling = torch.Generator(self.device).manual_seed(own.initial_seed() + 1)
@@ -205,7 +204,7 @@ class Trainer:
     @cached_property
     def _held_out(self) -> list[Problems[Tensor]]:
         return [
-            scenes.draw(
+            draw(
                 generator_of(self.config.seed, HELD_OUT, number),
                 HELD_OUT_EACH,
                 waypoints,
@@ -220,7 +219,7 @@ class Trainer:
         generator = generator_of(self.config.seed, EVALUATION, number)
         count = max(2, self.config.evaluation_instances // len(self.config.stages))
         return [
-            scenes.draw(
+            draw(
                 generator,
                 count,
                 between(stage.waypoints, generator),

@@ -9,7 +9,7 @@ import numpy as np
 
 from jfto_planner.routing.assess import Routes, assess, fleet_positions
 from jfto_planner.routing.problem import RoutingProblem
-from jfto_planner.routing.suggestions.gain import instants_s
+from jfto_planner.routing.suggestions.changes import instants_s
 from jfto_world.radio import pairwise_distances
 
 # Times as much of a budget as is there: more than any routes need.

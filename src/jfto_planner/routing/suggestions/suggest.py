@@ -14,8 +14,13 @@ from jfto_planner.routing.problem import MOST_UAVS, RoutingProblem
 from jfto_planner.routing.search import SearchResult, search
 from jfto_planner.routing.settings import SearchSettings
 from jfto_planner.routing.suggestions.budgets import BUDGETS, Cure
-from jfto_planner.routing.suggestions.gain import missing_gain_db, with_gain
-from jfto_planner.routing.suggestions.pads import drawn_together, free_pad, with_twin_pad
+from jfto_planner.routing.suggestions.changes import (
+    drawn_together,
+    free_pad,
+    missing_gain_db,
+    with_gain,
+    with_twin_pad,
+)
 from jfto_world.radio import pairwise_distances
 
 GroundHeight = Callable[[Array, Array], Array]

@@ -15,7 +15,7 @@ from jfto_world.motion.arducopter.leg_profile import COLUMNS, fill_leg_times, pl
 from jfto_world.motion.arducopter.takeoff import takeoff_height_m, takeoff_s
 from jfto_world.motion.arducopter.target import TargetTrack, plan_target
 from jfto_world.motion.arducopter.wpnav import Airframe, WpNav
-from jfto_world.motion.limits import MotionLimits
+from jfto_world.motion.time_model import MotionLimits
 
 # mean time that the vehicle's lag adds to a leg of 30 to 300 m, in closed loop at 5 to 10 m/s
 _LAG_FLY_S, _LAG_STOP_S = 0.2, 0.45

@@ -16,7 +16,7 @@ from jfto_msgs_py.errors import InputError
 from jfto_planner.policy.compiled_policy import PolicyShape
 from jfto_planner.policy.training.baseline import significantly_better
 from jfto_planner.policy.training.config import Stage, TrainingConfig, from_dict
-from jfto_planner.policy.training.teacher import Teacher
+from jfto_planner.policy.training.imitation import Teacher
 from jfto_planner.policy.training.trainer import LOG, Trainer
 
 CONFIG = TrainingConfig(
