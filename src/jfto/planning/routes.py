@@ -40,6 +40,7 @@ from jfto_planner.routing import (
 )
 from jfto_planner.routing.assess import Routes
 from jfto_planner.routing.certificate import GroundRule
+from jfto_planner.routing.certificate.mission_size import require_missions_to_hold
 
 # A plan that breaks a rule once it is timed as flown goes back to the search, so many times in all;
 # a later search starts from the routes it has, and tries so much fewer moves.
@@ -81,12 +82,14 @@ def plan_routes(
 ) -> Planned:
     """Search routes over the waypoints and certify them; `warm_start` is a plan to improve.
 
-    Raises InfeasibleError before any search where the starts cannot satisfy the neighbour rule or
-    the wind leaves no speed, PlanError where `warm_start` is for other waypoints or another fleet.
+    Raises InfeasibleError before any search where the starts cannot satisfy the neighbour rule, the
+    waypoints do not fit into missions or the wind leaves no speed, PlanError where `warm_start` is
+    for other waypoints or another fleet.
     """
     progress.begin("routes", "choosing starting points")
     for note in speed_notes(scenario):
         progress.warn(note)
+    require_missions_to_hold(len(found.waypoints), scenario.fleet.count)
     flight = flight_of(scenario)
     if flight.estimated:
         # A flight in steps may come out a step later for a point a nanometre off.
@@ -134,8 +137,8 @@ def plan_routes(
 def _known(flight: Flight, plan: Plan) -> bool:
     assert plan.certificate is not None
     kinds = {violation.kind for violation in plan.certificate.violations}
-    # A search for other routes knows nothing of the ways home from them.
-    return kinds == {"home"} or (
+    # A search for other routes knows nothing of the ways home from them, nor of missions.
+    return kinds <= {"home", "items"} or (
         flight.exact and (not flight.estimated or kinds not in ({"separation"}, {"endurance"}))
     )
 

@@ -19,6 +19,7 @@ KINDS = (
     "home",  # the way home is too near another UAV, or contradicts itself or the route
     "endurance",  # a UAV stands at its pad later than its battery lets it fly
     "energy",  # the least power that keeps the topology costs more than E_a,max (P0emax)
+    "items",  # a UAV's mission has more items than an autopilot holds
     "route",  # times, lengths or positions in the plan contradict its own routes
 )
 
