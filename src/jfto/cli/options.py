@@ -67,25 +67,30 @@ def out_option(kind: str, default: str) -> Callable[[Function], Function]:
     return click.option("-o", "--out", type=PATH, metavar=kind, help=f"Default: {default}.")
 
 
-def scenario_options(*, searched: bool = True) -> Callable[[Function], Function]:
+def scenario_options(
+    *, searched: bool = True, required: bool = True
+) -> Callable[[Function], Function]:
     """Argument SCENARIO and what changes it; the command takes the loaded scenario as `loaded`.
 
-    With `searched` the seed and the method of the search are among that.
+    With `searched` the seed and the method of the search are among that. Where it is not
+    `required`, `loaded` is None without it.
     """
 
     def decorate(function: Function) -> Function:
         @wraps(function)
         def command(
-            scenario: Path,
+            scenario: Path | None,
             overrides: tuple[str, ...],
             seed: int | None = None,
             method: str | None = None,
             **others: Any,
         ) -> int:
-            return function(loaded=load(scenario, overrides, seed, method), **others)
+            loaded = None if scenario is None else load(scenario, overrides, seed, method)
+            return function(loaded=loaded, **others)
 
+        argument = click.argument("scenario", type=PATH, required=required)
         changing = (method_option, seed_option, set_option) if searched else (set_option,)
-        for option in reversed((scenario_argument, *changing)):
+        for option in reversed((argument, *changing)):
             command = option(command)
         return command
 

@@ -20,7 +20,7 @@ from jfto.cli.options import (
 
 if TYPE_CHECKING:
     from jfto.console.stages import StageProgress
-    from jfto.flight.job import FlightEnd
+    from jfto.flight.job import FlightEnd, FlightJob
     from jfto.pipeline.run import Run
     from jfto.planning.scenario_file import LoadedScenario
     from jfto.supervision.graph_table import Vehicles
@@ -61,10 +61,20 @@ def flight_options(function: Function) -> Function:
 
 
 @click.command("run")
-@scenario_options()
+@scenario_options(required=False)
 @click.option("--plan", "plan_file", type=PATH, metavar="FILE", help="Plan to fly; else planned.")
+@click.option(
+    "--resume",
+    "resumed",
+    type=PATH,
+    metavar="DIR",
+    help="Instead of SCENARIO: take over the flight of DIR, whose jfto run was killed while its "
+    "vehicles fly on.",
+)
 @flight_options
-def command(loaded: LoadedScenario, plan_file: Path | None, **choices: Any) -> int:
+def command(
+    loaded: LoadedScenario | None, plan_file: Path | None, resumed: Path | None, **choices: Any
+) -> int:
     """Plan SCENARIO, fly it, adapt to how it is really flown, record it and report.
 
     Coverage, routes, topology and power are planned and certified; the missions are uploaded and
@@ -81,8 +91,36 @@ def command(loaded: LoadedScenario, plan_file: Path | None, **choices: Any) -> i
     \b
     Example:  jfto run config/demo.yaml
               jfto run mine.yaml --until arm --vehicles udpin:0.0.0.0:14550
+              jfto run --resume flight
     """
+    if resumed is not None:
+        if loaded is not None or plan_file is not None:
+            raise click.UsageError("--resume DIR has scenario and plan: give nothing else.")
+        return _resume(resumed.resolve(), as_json=choices["as_json"])
+    if loaded is None:
+        raise click.UsageError("Missing argument 'SCENARIO'.")
     return run(loaded, plan_file, choices)
+
+
+def _resume(directory: Path, *, as_json: bool) -> int:
+    """Take over a flight, follow it to its end, and report."""
+    from jfto.cli.results import print_run, run_status
+    from jfto.console.stages import show_stages
+    from jfto.flight.job_file import resumed_job
+    from jfto.pipeline.directory import PLAN_NAME
+    from jfto.pipeline.run import Pipeline, Run
+    from jfto.planning.scenario_file import SCENARIO_NAME, load_scenario
+    from jfto_msgs_py.plan_file import read_plan
+
+    loaded = load_scenario(directory / SCENARIO_NAME)
+    planned = Run(read_plan(directory / PLAN_NAME), directory / PLAN_NAME)
+    job = resumed_job(directory, planned.plan)
+    with show_stages(quiet=as_json) as progress:
+        progress.console.line(_scenario_line(loaded))
+        end = _conduct(job, progress)
+        finished = Pipeline(loaded, directory, progress).report(planned)
+    print_run(loaded, finished, end, as_json=as_json)
+    return run_status(finished, end)
 
 
 def run(loaded: LoadedScenario, plan_file: Path | None, choices: dict[str, Any]) -> int:
@@ -172,13 +210,10 @@ def _fly(
     progress: StageProgress,
 ) -> FlightEnd:
     """Run the graph and conduct the flight; what came of it is said in the lines of the stages."""
-    from jfto.cli.results import say_flight
     from jfto.flight.gates import parse_gates
-    from jfto.flight.job import fly
-    from jfto.flight.operator import operator_at
+    from jfto.flight.job_file import write_job
     from jfto.flight.prepare import prepare
     from jfto.flight.settings import LANDED
-    from jfto.pipeline.directory import forget_dry_run
 
     ask = not (vehicles.simulated or choices["arm"] or choices["until"])
     until, gates = choices["until"] or LANDED, choices["gates"]
@@ -190,12 +225,24 @@ def _fly(
         ask=ask,
         gates=parse_gates(gates) if gates else None,
     )
+    if until == LANDED:
+        write_job(job)
+    return _conduct(job, progress)
+
+
+def _conduct(job: FlightJob, progress: StageProgress) -> FlightEnd:
+    """Run the graph of a job and conduct its flight."""
+    from jfto.cli.results import say_flight
+    from jfto.flight.job import fly
+    from jfto.flight.operator import operator_at
+    from jfto.pipeline.directory import forget_dry_run
+
     progress.begin("flight", "starting the graph")
     # The flight shows itself.
     progress.console.hide()
-    with operator_at(progress.console, len(planned.plan.uavs)) as operator:
+    with operator_at(progress.console, len(job.plan.uavs)) as operator:
         end = fly(job, operator)
     if not end.outcome.flown:
         forget_dry_run(job.directory)
-    say_flight(planned.plan, job, end, progress)
+    say_flight(job.plan, job, end, progress)
     return end

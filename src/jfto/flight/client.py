@@ -182,11 +182,12 @@ def open_client(
     answered: Callable[[str, bool, str], None],
     *,
     use_sim_time: bool,
+    patience_s: float = 0.0,
 ) -> Iterator[Client]:
     """Join the graph for as long as the context lasts.
 
-    Raises InputError where a graph of another program runs on the same ROS domain already: two
-    would give orders to the same vehicles.
+    Raises InputError where a graph of another program runs on the same ROS domain already, and
+    does not end within `patience_s`: two would give orders to the same vehicles.
     """
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     try:
@@ -195,7 +196,7 @@ def open_client(
         executor = SingleThreadedExecutor()
         executor.add_node(node)
         try:
-            _require_a_quiet_domain(node, executor)
+            _require_a_quiet_domain(node, executor, patience_s)
             yield Client(node, executor, plan, tracker, answered)
         finally:
             executor.shutdown()
@@ -204,12 +205,16 @@ def open_client(
         rclpy.try_shutdown()
 
 
-def _require_a_quiet_domain(node: Any, executor: Any) -> None:
-    end_s = time.monotonic() + _LISTEN_S
-    while time.monotonic() < end_s:
+def _require_a_quiet_domain(node: Any, executor: Any, patience_s: float) -> None:
+    begun_s = time.monotonic()
+    quiet_s = begun_s + _LISTEN_S
+    while time.monotonic() < quiet_s:
         executor.spin_once(timeout_sec=0.1)
         names = node.get_node_names()
-        if names.count(NODE_NAME) > 1 or "mavlink_bridge" in names:
+        if names.count(NODE_NAME) <= 1 and "mavlink_bridge" not in names:
+            continue
+        quiet_s = time.monotonic() + _LISTEN_S
+        if quiet_s > begun_s + _LISTEN_S + patience_s:
             raise InputError(
                 "another flight runs on this ROS domain. End it, or set ROS_DOMAIN_ID to another "
                 "number for this one. Nothing was started."

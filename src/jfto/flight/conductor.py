@@ -153,7 +153,9 @@ class Conductor:
 
     def _link(self) -> None:
         fleet = self._fleet
-        if fleet.all_linked and fleet.planned:
+        if self.settings.resume:
+            self._take_over()
+        elif fleet.all_linked and fleet.planned:
             self._tell(f"{len(fleet.uavs)} vehicles linked")
             self._enter(Stage.UPLOAD)
         elif self._wall_s() > self.settings.patience.link_s:
@@ -164,6 +166,23 @@ class Conductor:
                 f"Not linked within {self.settings.patience.link_s:.0f} s: {why}. Nothing was "
                 "armed.",
             )
+
+    def _take_over(self) -> None:
+        """A flight is under way, or was: follow it, or say that it has ended."""
+        fleet, waited_s = self._fleet, self._wall_s()
+        up = [name for name, uav in fleet.uavs.items() if uav.linked and uav.armed]
+        known = fleet.all_linked or waited_s > self.settings.patience.link_s / 6
+        if known and up and waited_s > self.settings.patience.settle_s:
+            self._flown = True
+            self._tell(f"The flight is taken over: {', '.join(up)} in the air.", WARN)
+            self._enter(Stage.FLY)
+            self._risen |= set(up)
+        elif fleet.all_down and waited_s > self.settings.patience.settle_s:
+            self._flown = True
+            self._end(Ending.LANDED, "All vehicles are down: the flight ended while nobody looked.")
+        elif waited_s > self.settings.patience.link_s:
+            self._flown = True
+            self._end(Ending.LOST, f"{self._up()} not heard. Look for them.")
 
     def _succeeded(self) -> None:
         """The order of this stage was carried out."""

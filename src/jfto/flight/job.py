@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 _LOOK_S = 0.2
 _SHOW_EVERY_S = 0.5
 _LAST_EVENTS_S = 3.0
+_FORGOTTEN_S = 30.0
 # Without one of these there is no flight; the rest is started again for as long as it lasts.
 ESSENTIAL = ("mavlink_bridge", "simulated_fleet")
 _RESTARTS = replace(RESTARTS, tries=1000)
@@ -92,7 +93,14 @@ def fly(job: FlightJob, operator: Operator) -> FlightEnd:
     with (
         Interrupts() as interrupts,
         Keys() as keys,
-        open_client(job.plan, tracker, answered, use_sim_time=job.simulated) as client,
+        open_client(
+            job.plan,
+            tracker,
+            answered,
+            use_sim_time=job.simulated,
+            # Nodes of a conductor that was killed take a while to end, and longer to be forgotten.
+            patience_s=_FORGOTTEN_S if job.settings.resume else 0.0,
+        ) as client,
         _supervised(job) as graph,
     ):
         return _Loop(job, operator, conductor, tracker, client, graph, (interrupts, keys)).run()

@@ -29,7 +29,8 @@ class Patience:
 
 @dataclass(frozen=True)
 class ConductSettings:
-    """`until` is UPLOAD, ARM or LANDED; `ask` lets the operator decide before anything arms.
+    """`until` is UPLOAD, ARM or LANDED; `ask` lets the operator decide before anything arms, and
+    `resume` takes over a flight that is under way.
 
     A flight may take `flight_s` and the way home `home_s` of the vehicles' time, and as this
     computer counts `wall_factor` times that over `speedup`. A vehicle silent for `lost_s` of its
@@ -39,6 +40,7 @@ class ConductSettings:
     plan_s: float
     until: str = LANDED
     ask: bool = False
+    resume: bool = False
     speedup: float = 1.0
     home_s: float = 600.0
     lost_s: float = 120.0

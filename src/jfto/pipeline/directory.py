@@ -15,6 +15,8 @@ from jfto.supervision.graph_table import (
     BAG_NAME,
     ENERGY_NAME,
     FLIGHT_STATE_NAME,
+    GUIDED_NAMES,
+    JOB_NAME,
     LIFT_OFF_NAME,
 )
 from jfto_msgs_py.errors import InputError
@@ -28,7 +30,7 @@ REPORT_NAME = "report.html"
 LOG_NAME = "log.txt"
 FIGURES = "figures"
 # What the nodes of a flight go on with after a restart.
-_STATES = (LIFT_OFF_NAME, ENERGY_NAME, FLIGHT_STATE_NAME)
+_STATES = (LIFT_OFF_NAME, ENERGY_NAME, FLIGHT_STATE_NAME, *GUIDED_NAMES, JOB_NAME)
 # A recorder that is started again goes on in bag-2, bag-3 and so on.
 _BAG = re.compile(re.escape(BAG_NAME) + r"(?:-(\d+))?")
 
@@ -55,7 +57,8 @@ def require_no_flight(directory: Path) -> None:
         if (directory / name).exists():
             raise InputError(
                 f"{directory}: holds a flight already ({name}). Name another directory with --out; "
-                f"--plan {directory / PLAN_NAME} flies its plan again."
+                f"--plan {directory / PLAN_NAME} flies its plan again, and jfto run --resume "
+                f"{directory} goes on with a flight that is under way."
             )
 
 

@@ -24,12 +24,12 @@ RECORDER_PATIENCE_S = 30.0
 def graph_commands(options: GraphOptions) -> list[NodeCommand]:
     """The graph's processes in the order in which they are started."""
     commands = [
-        NodeCommand(row.name, _command(row.name, options.scenario, row.parameters), _environment())
+        NodeCommand(row.name, _command(row.name, options.scenario, row.parameters), environment())
         for row in graph_table(options)
     ]
     if options.record:
         recorder = [sys.executable, "-m", "jfto", *recorder_arguments(options)]
-        commands.insert(0, NodeCommand(RECORDER, recorder, _environment(), RECORDER_PATIENCE_S))
+        commands.insert(0, NodeCommand(RECORDER, recorder, environment(), RECORDER_PATIENCE_S))
     return commands
 
 
@@ -52,8 +52,8 @@ def _text(value: object) -> str:
     return str(value)
 
 
-def _environment() -> dict[str, str]:
-    """The environment, with this very jfto first on the path."""
+def environment() -> dict[str, str]:
+    """Environment of this process, with this very jfto first on the path."""
     source = str(Path(jfto.__file__).parents[1])
     known = os.environ.get("PYTHONPATH", "")
     path = os.pathsep.join([source, known]) if known else source

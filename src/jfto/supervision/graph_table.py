@@ -15,6 +15,9 @@ from jfto_msgs_py.ros.topics import RECORDED
 LIFT_OFF_NAME = "lift_off.json"
 ENERGY_NAME = "energy.json"
 FLIGHT_STATE_NAME = "flight_state.json"
+# What the bridge keeps beside that of a flight on streamed curves.
+GUIDED_NAMES = ("guided_flight.json", "guided_curves.json")
+JOB_NAME = "flight_job.json"
 BAG_NAME = "bag"
 TLOGS = "tlogs"
 RECORDER = "recorder"

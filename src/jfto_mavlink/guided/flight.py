@@ -93,11 +93,10 @@ class GuidedFlight:
         found = self._clock.at(self._around.clock())
         return found.elapsed_s if found.begun else None
 
-    def stand(self) -> float:
-        """All are told to hold; returns how far along their curves they were told to be, s."""
+    def stand(self, *, by_order: bool) -> None:
+        """All are told to hold, by an operator's order or because the bridge ends."""
         self._clock.stand(self._around.clock())
-        self.keep(paused=True)
-        return self._clock.at(self._around.clock()).elapsed_s
+        self.keep(paused=by_order)
 
     def go_on(self, now_s: float, stopped_s: float, why: str) -> dict[str, float]:
         """All go on from where they stand; `stopped_s` is how far they were told to be at last.

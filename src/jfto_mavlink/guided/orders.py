@@ -62,6 +62,7 @@ class GuidedOrders(FleetOrders):
         super().__init__(fleet, settings)
         self._now_ns, self._guided, self._tell = now_ns, guided or GuidedSettings(), tell
         self._uavs = {uav.id: uav for uav in plan.uavs}
+        self._horizon_s = plan.slots.horizon_s
         by_id = {waypoint.id: waypoint for waypoint in plan.waypoints}
         self._headings = {
             uav.id: HeadingPlan(
@@ -190,24 +191,23 @@ class GuidedOrders(FleetOrders):
             text = f"{', '.join(flying + holding)} hold: order resume, or home."
             self._tell(Event(WARN, "guided", "", text))
             return
-        if flying:
-            self._go_on(flying, state.elapsed_s, "the bridge was started again")
-        if holding:
-            self._call_home(holding, "they were held when the bridge died")
+        self.fleet.runner.run(dict.fromkeys(holding, partial(set_mode, mode=GUIDED)))
+        self._go_on(flying + holding, state.elapsed_s, "the bridge was started again")
 
     def close(self) -> None:
         """Stop all vehicles that are streamed to, before the bridge goes."""
         running = self._running()
         if running:
-            self._pause(running, "the bridge ends")
+            # The next bridge goes on: no operator has ordered them to hold.
+            self._pause(running, "the bridge ends", by_order=False)
 
-    def _pause(self, uavs: list[str], reason: str) -> None:
+    def _pause(self, uavs: list[str], reason: str, *, by_order: bool = True) -> None:
         flight = self._flight
         assert flight is not None
-        self._paused_s, self.held = flight.elapsed_s() or 0.0, True
+        self._paused_s, self.held = flight.elapsed_s() or 0.0, by_order
         for uav in uavs:
             self._schedulers[uav].halt(reason)
-        flight.stand()
+        flight.stand(by_order=by_order)
         ended = wait([self._streams[uav] for uav in uavs], STOP_WAIT_S)
         errors = [str(f.exception()) for f in ended.done if f.exception() is not None]
         if ended.not_done or errors:
@@ -247,7 +247,8 @@ class GuidedOrders(FleetOrders):
                 self._headings[uav],
                 partial(flight.curve, uav),
                 flight.progress,
-                lambda: flight.curves.end_s,
+                # Planned ways home begin at the horizon, when all have waited for the last.
+                lambda: max(flight.curves.end_s, self._horizon_s),
                 self._tell,
                 self._guided,
             )
