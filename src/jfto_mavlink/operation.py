@@ -190,6 +190,7 @@ class Operation:
             node.tell,
             node.lift_off,
             self,
+            guided=orders.guided,
         )
 
     def begin(self) -> None:

@@ -98,7 +98,8 @@ def recognise_all(
 class WatchedFlight:
     """Watches a fleet's flight and tells of it; `path` is where its state is kept, None: nowhere.
 
-    `lift_off` is called with the fleet's time zero (ns) once it is known.
+    `lift_off` is called with the fleet's time zero (ns) once it is known. `guided` says that the
+    plan is streamed.
     """
 
     def __init__(
@@ -109,8 +110,11 @@ class WatchedFlight:
         tell: Callable[[Event], None],
         lift_off: Callable[[int], None],
         time: FlightTime,
+        *,
+        guided: bool = False,
     ) -> None:
         self._path, self._tell, self._lift_off, self._time = path, tell, lift_off, time
+        self._guided = guided
         self._trouble = ""
         # What was kept counts once somebody is found in the air.
         self._flies = self._told = False
@@ -167,9 +171,11 @@ class WatchedFlight:
         self._flies = True
         if self._state.lift_off_ns is not None:
             self._lift_off(self._state.lift_off_ns)
-        same = [uav for uav, one in flying.items() if one.mode == "AUTO" and not one.differs]
+        as_planned = "GUIDED" if self._guided else "AUTO"
+        same = [uav for uav, one in flying.items() if one.mode == as_planned and not one.differs]
         silent = [uav for uav, one in found.items() if not one.heard]
-        words = [f"{', '.join(same)} on the plan's mission, as read back"] if same else []
+        flown = "in GUIDED, as planned, with" if self._guided else "on"
+        words = [f"{', '.join(same)} {flown} the plan's mission, as read back"] if same else []
         words += [
             f"{uav} in {one.mode}"
             if not one.differs
