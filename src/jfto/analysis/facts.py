@@ -55,9 +55,13 @@ class FlightFacts:
 
     @property
     def good(self) -> bool:
-        """All waypoints visited, all landed, no energy overdrawn, as good as all slots clean."""
+        """All waypoints visited in time, all landed, no energy overdrawn, slots as good as clean.
+
+        In time is within a slot: slots wait for a fleet that is late, and are clean all the same.
+        """
         return (
-            self.visited == len(self.passages)
+            abs(self.worst_late_s) <= self.plan.slots.duration_s
+            and self.visited == len(self.passages)
             and all(one.how == LANDED for one in self.endings)
             and not any(one.overdraft_j > 0 for one in self.energy)
             and self.certificate.clean_share >= CLEAN_SHARE
@@ -75,15 +79,24 @@ class FlightFacts:
         return max(late, key=abs, default=0.0)
 
     @property
+    def shifted(self) -> str:
+        """By how much the slots were later than planned, "" where nobody was late by one."""
+        if self.worst_late_s <= self.plan.slots.duration_s / 2:
+            return ""
+        return f" but up to {self.worst_late_s:.1f} s later than planned"
+
+    @property
     def worst_closest_m(self) -> float:
         """The greatest distance at which a waypoint was passed."""
         return max((one.closest_m for one in self.passages), default=0.0)
 
     def in_words(self) -> str:
         """How well it went, in one line."""
+        away_m = self.worst_closest_m
+        away = f"{away_m:.1f} m" if np.isfinite(away_m) else "some never passed"
         return (
-            f"worst {self.worst_late_s:+.1f} s and {self.worst_closest_m:.1f} m, "
-            f"{100 * self.certificate.clean_share:.1f} % of slots clean, "
+            f"worst {self.worst_late_s:+.1f} s and {away}, "
+            f"{100 * self.certificate.clean_share:.1f} % of slots clean{self.shifted}, "
             f"{100 * self.throughput.ratio:.1f} % of the planned throughput"
         )
 

@@ -145,6 +145,7 @@ def run(loaded: LoadedScenario, plan_file: Path | None, choices: dict[str, Any])
             if planned.interrupted:
                 raise KeyboardInterrupt
             if vehicles is not None and planned.plan.clean:
+                _require_flight_times(planned.plan.time_model)
                 flight = _fly(loaded, planned, vehicles, choices, progress)
             finished = pipeline.report(planned)
         except KeyboardInterrupt:
@@ -154,6 +155,18 @@ def run(loaded: LoadedScenario, plan_file: Path | None, choices: dict[str, Any])
             return EXIT_INTERRUPTED
     print_run(loaded, finished, flight, as_json=as_json)
     return run_status(finished, flight) if finished.plan.clean else EXIT_INFEASIBLE
+
+
+def _require_flight_times(time_model: str) -> None:
+    """Refuse to fly a plan whose times no vehicle keeps; raises InputError."""
+    from jfto_msgs_py.errors import InputError
+
+    if time_model == "constant_speed":
+        raise InputError(
+            "trajectory.mode straight times legs without lift-off and turns, as studies do: flown, "
+            "its slots would be half a minute late and more. Plan for flight, with --set "
+            "trajectory.mode=waypoints (or guided); --until plan compares without a flight."
+        )
 
 
 def _scenario_line(loaded: LoadedScenario) -> str:
@@ -182,6 +195,8 @@ def _vehicles(loaded: LoadedScenario, choices: dict[str, Any]) -> Vehicles:
             "those that vehicles keep, and guided flights keep the clock by themselves."
         )
 
+    if loaded.scenario.trajectory.mode == "straight":
+        _require_flight_times("constant_speed")
     texts, uavs = roster_texts(choices["vehicles"]), loaded.scenario.fleet.ids
     speedup = choices["speedup"]
     if speedup is None:

@@ -55,6 +55,7 @@ def test_a_plan_for_another_fleet_than_the_scenarios_is_refused(plan, tiny, tmp_
         (["--gates", "1,0"], "must be numbers of waypoints from 1 on"),
         (["--gates", "2@3"], "10 or more"),
         (["--gates", "2", "--set", "trajectory.mode=straight"], "are not those that vehicles keep"),
+        (["--set", "trajectory.mode=straight"], "half a minute late and more. Plan for flight"),
         (["--vehicles", "sim:3"], "the fleet has 4 UAVs"),
         (["--vehicles", "udpin:127.0.0.1:14550"], "Give --arm, or look first with --until arm"),
         (["--scenario", "none.yaml"], "none.yaml"),
