@@ -9,18 +9,6 @@ from pathlib import Path
 SOURCE = Path(__file__).parents[2] / "src"
 MOST_PARAMETERS = 7
 MOST_LINES = 350
-# Compiled kernels take what they work on array by array.
-KERNELS = {
-    "jfto_planner/policy/kernel/describe.py:_rivals",
-    "jfto_planner/routing/kernel/local.py:exchange",
-    "jfto_planner/routing/kernel/local.py:relocate",
-    "jfto_planner/routing/kernel/radio.py:scan_pair",
-    "jfto_world/motion/arducopter/closed_loop.py:_fly",
-    "jfto_world/motion/arducopter/leg_profile.py:plan_legs",
-    "jfto_world/motion/progress.py:_best_time",
-    "jfto_world/motion/progress.py:_nearest",
-    "jfto_world/terrain/kernels.py:first_hits",
-}
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
@@ -46,15 +34,14 @@ def parameter_count(function: Function) -> int:
 
 
 def test_no_function_has_more_than_seven_parameters() -> None:
-    """More are put into a frozen record, or the function does two things; kernels are listed."""
+    """More are put into a frozen record, or the function does two things; kernels too."""
     found = {
         name: count
         for path in files()
         for name, function in functions(path)
         if (count := parameter_count(function)) > MOST_PARAMETERS
     }
-    assert {name: count for name, count in found.items() if name not in KERNELS} == {}
-    assert set(found) >= KERNELS, "a kernel that takes fewer now is no exception any more"
+    assert found == {}
 
 
 def test_no_file_is_longer_than_can_be_read_once() -> None:

@@ -29,25 +29,28 @@ def progress_time(
     high = max(min(high_s, times_s[-1]), times_s[0])
     first = int(np.searchsorted(times_s, low, side="right")) - 1
     first = min(max(first, 0), max(len(times_s) - 2, 0))
-    return _best_time(times_s, positions_m, measured_m, expected_s, low, high, pull_mps, first)
+    return _best_time(times_s, positions_m, measured_m, expected_s, (low, high), pull_mps, first)
 
 
 @kernel
 def _best_time(
-    times_s: Array, positions_m: Array, measured_m: Array, expected_s: float, low: float,
-    high: float, pull_mps: float, first: int,
-) -> tuple[float, float]:  # fmt: skip
+    times_s: Array,
+    positions_m: Array,
+    measured_m: Array,
+    expected_s: float,
+    window_s: tuple[float, float],
+    pull_mps: float,
+    first: int,
+) -> tuple[float, float]:
     """The same from piece `first` on."""
     last = times_s.shape[0] - 1
-    found, found_away, least = low, np.inf, np.inf
+    found, found_away, least = window_s[0], np.inf, np.inf
     for m in range(first, max(last, 1)):
         begin, end = times_s[m], times_s[min(m + 1, last)]
-        if begin > high:
+        if begin > window_s[1]:
             break
-        time, away_2 = _nearest(
-            begin, end, positions_m[m], positions_m[min(m + 1, last)],
-            measured_m, expected_s, pull_mps, low, high,
-        )  # fmt: skip
+        ends_m = (positions_m[m], positions_m[min(m + 1, last)])
+        time, away_2 = _nearest((begin, end), ends_m, measured_m, expected_s, pull_mps, window_s)
         cost = away_2 + (pull_mps * (time - expected_s)) ** 2
         if cost < least:
             found, found_away, least = time, np.sqrt(away_2), cost
@@ -77,16 +80,16 @@ def _find_passes(
         after_s, after = times_s[m], np.inf
         if m + 1 < count and times_s[m] <= latest_s:
             high = min(times_s[m + 1], max(latest_s, times_s[m]))
+            begin_s, ends_m = times_s[m], (positions_m[m], positions_m[m + 1])
             after_s, away_2 = _nearest(
-                times_s[m], times_s[m + 1], positions_m[m], positions_m[m + 1],
-                measured_m, times_s[m], 0.0, times_s[m], high,
-            )  # fmt: skip
+                (begin_s, times_s[m + 1]), ends_m, measured_m, begin_s, 0.0, (begin_s, high)
+            )
             after = np.sqrt(away_2)
         elif count == 1:
+            begin_s, ends_m = times_s[0], (positions_m[0], positions_m[0])
             _, away_2 = _nearest(
-                times_s[0], times_s[0], positions_m[0], positions_m[0],
-                measured_m, times_s[0], 0.0, times_s[0], times_s[0],
-            )  # fmt: skip
+                (begin_s, begin_s), ends_m, measured_m, begin_s, 0.0, (begin_s, begin_s)
+            )
             after = np.sqrt(away_2)
         if m > 0 and here <= within_m and here <= before and here < after:
             found[number] = here_s
@@ -100,17 +103,18 @@ def _find_passes(
 
 @inner
 def _nearest(
-    begin_s: float,
-    end_s: float,
-    begin_m: Array,
-    end_m: Array,
+    ends_s: tuple[float, float],
+    ends_m: tuple[Array, Array],
     measured_m: Array,
     expected_s: float,
     pull_mps: float,
-    low_s: float,
-    high_s: float,
+    window_s: tuple[float, float],
 ) -> tuple[float, float]:
-    """Best time on one straight piece, between low_s and high_s, and the distance² there."""
+    """Best time on one straight piece, within a window, and the distance² there.
+
+    `ends_s` and `ends_m` are when the piece begins and ends, and where.
+    """
+    (begin_s, end_s), (begin_m, end_m) = ends_s, ends_m
     along, length_2 = 0.0, 0.0
     for axis in range(3):
         step = end_m[axis] - begin_m[axis]
@@ -120,7 +124,7 @@ def _nearest(
     pull_2 = pull_mps * pull_mps
     weight = length_2 + pull_2 * span * span
     share = (along + pull_2 * span * (expected_s - begin_s)) / weight if weight > 0 else 0.0
-    time = min(max(begin_s + share * span, begin_s, low_s), end_s, high_s)
+    time = min(max(begin_s + share * span, begin_s, window_s[0]), end_s, window_s[1])
     share = (time - begin_s) / span if span > 0 else 0.0
     away_2 = 0.0
     for axis in range(3):

@@ -96,9 +96,7 @@ def first_hit(
         surface.coefficients,
         highest,
         np.array([*grid, surface.coefficients.min() - 1.0, highest.max()]),
-        np.ascontiguousarray(origin_m, dtype=np.float64),
-        np.ascontiguousarray(unit, dtype=np.float64),
-        np.ascontiguousarray(max_range_m, dtype=np.float64),
+        np.column_stack([origin_m, unit, max_range_m]).astype(np.float64, order="C"),
         room_for_hits(),
         result,
     )

@@ -157,26 +157,25 @@ def first_hits(
     coefficients: Array,
     highest: Array,
     grid: Array,
-    origins: Array,
-    units: Array,
-    ranges: Array,
+    rays: Array,
     room: Array,
     result: Array,
 ) -> None:
     """Fill `result` (K,) with the distance of each ray's first point on or below the surface.
 
     `grid` holds x0, y0, step_x, step_y and bounds of the whole surface from below and above;
-    `highest` a bound from above for each cell; `room` is `room_for_hits()`.
+    `highest` a bound from above for each cell; `rays` (K, 7) origins, unit vectors and ranges;
+    `room` is `room_for_hits()`.
     """
     rows, columns = highest.shape
     floor, ceiling = grid[4], grid[5]
     stack, left, gap = room[:_STACK], room[_STACK], room[_STACK + 1]
-    for ray in range(len(origins)):
+    for ray in range(len(rays)):
         result[ray] = math.inf
-        u, v = (origins[ray, 0] - grid[0]) / grid[2], (origins[ray, 1] - grid[1]) / grid[3]
-        du, dv = units[ray, 0] / grid[2], units[ray, 1] / grid[3]
-        z, dz = origins[ray, 2], units[ray, 2]
-        near, far = _clip(u, du, float(columns), 0.0, ranges[ray])
+        u, v = (rays[ray, 0] - grid[0]) / grid[2], (rays[ray, 1] - grid[1]) / grid[3]
+        du, dv = rays[ray, 3] / grid[2], rays[ray, 4] / grid[3]
+        z, dz = rays[ray, 2], rays[ray, 5]
+        near, far = _clip(u, du, float(columns), 0.0, rays[ray, 6])
         near, far = _clip(v, dv, float(rows), near, far)
         near, far = _clip_height(z, dz, floor, ceiling, near, far)
         if near > far:

@@ -55,7 +55,7 @@ def norm(x: float, y: float, z: float) -> float:
 
 @inner
 def _rivals(
-    episode: Episode, b: int, p: int, active: int, now: float, x: float, y: float, z: float
+    episode: Episode, b: int, p: int, active: int, now: float, point: tuple[float, float, float]
 ) -> tuple[float, float]:
     """Distance of the nearest other UAV in flight to a point, and the least time until one of them
     could be there.
@@ -65,7 +65,7 @@ def _rivals(
     for a in range(problems.speed.shape[1]):
         if a != active and not episode.done[b, p, a]:
             target = episode.target[b, p, a]
-            gap = norm(x - target[0], y - target[1], z - target[2])
+            gap = norm(point[0] - target[0], point[1] - target[1], point[2] - target[2])
             rival = min(rival, gap)
             wait = max(episode.arrive[b, p, a] - now, 0.0) + gap / problems.speed[b, a]
             soonest = min(soonest, wait)
@@ -132,7 +132,7 @@ def describe_pairs(episode: Episode, b: int, p: int, t: int) -> None:
         )
         dx, dy, dz = x - here[0], y - here[1], z - here[2]
         away = norm(dx, dy, dz)
-        rival, soonest = _rivals(episode, b, p, active, now, x, y, z)
+        rival, soonest = _rivals(episode, b, p, active, now, (x, y, z))
         first, second, close = _others(episode, b, p, j, unit)
         duration = seen.duration[b, p, t, j]
         turn = (hx * dx + hy * dy + hz * dz) / max(heading * away, LEAST_LENGTH)

@@ -191,7 +191,7 @@ def is_sound(tables: Tables, state: State, work: Work, pos: np.ndarray, mask: np
     for a in range(uavs):
         for b in range(a):
             limits = (tables.reach_exact[a, b] ** 2, tables.d_min**2)
-            if scan_pair(pos[a], pos[b], mask[a], mask[b], (a, b), limits, 0, last) > 0:
+            if scan_pair(pos[a], pos[b], mask[a], mask[b], (a, b), limits, (0, last)) > 0:
                 return False
     everyone = ~np.uint64(0) >> np.uint64(64 - uavs)
     for slot in range(last + 1):  # noqa: SIM110 - numba compiles no generators into all()

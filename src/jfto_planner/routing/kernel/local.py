@@ -29,9 +29,10 @@ def put(work: Work, side: int, route: int, begin: int, end: int, backward: bool)
 
 @inner
 def relocate(
-    state: State, work: Work, begin: int, end: int, r1: int, r2: int, at: int, backward: bool
+    state: State, work: Work, segment: tuple[int, int, int, bool], r2: int, at: int
 ) -> bool:
-    """Move the waypoints begin … end - 1 of r1 to before position `at` of r2 (Or-opt)."""
+    """Move a piece of a route to before position `at` of r2 (Or-opt)."""
+    r1, begin, end, backward = segment
     n1, n2 = state.size[r1], state.size[r2]
     if r1 != r2:
         put(work, 0, r1, 0, begin, False)
@@ -57,9 +58,15 @@ def relocate(
 
 @inner
 def exchange(
-    state: State, work: Work, r1: int, i: int, end1: int, r2: int, j: int, end2: int, flips: int
+    state: State,
+    work: Work,
+    first: tuple[int, int, int],
+    second: tuple[int, int, int],
+    flips: int,
 ) -> bool:
-    """Exchange two segments, each perhaps reversed (swap, cross-exchange)."""
+    """Exchange two segments (route, begin, end), each perhaps reversed (swap, cross-exchange)."""
+    r1, i, end1 = first
+    r2, j, end2 = second
     if r1 != r2:
         put(work, 0, r1, 0, i, False)
         put(work, 0, r2, j, end2, flips & 1 > 0)
@@ -123,18 +130,19 @@ def propose(tables: Tables, state: State, work: Work, rng: Seed) -> bool:
         r2 = below(rng, state.size.shape[0])
         at = 0 if flips < 2 else state.size[r2]
         end = min(i + size, state.size[r1])
-        sound = relocate(state, work, i, end, r1, r2, at, flips % 2 > 0)
+        sound = relocate(state, work, (r1, i, end, flips % 2 > 0), r2, at)
     elif kind == 0:  # c comes next to d, at either end of its segment
         begin = i if flips < 2 else max(0, i - size + 1)
         end = min(i + size, state.size[r1]) if flips < 2 else i + 1
         after = flips % 2 == 0
         backward = after == (flips >= 2)
-        sound = relocate(state, work, begin, end, r1, r2, j + np.int64(after), backward)
+        sound = relocate(state, work, (r1, begin, end, backward), r2, j + np.int64(after))
     elif kind == 1:  # c's segment changes places with the one behind d
         size2 = 1 + below(rng, LONGEST_SEGMENT)
         end1 = min(i + size, state.size[r1])
         end2 = min(j + 1 + size2, state.size[r2])
-        sound = j + 1 < end2 and exchange(state, work, r1, i, end1, r2, j + 1, end2, flips)
+        first, second = (r1, i, end1), (r2, j + 1, end2)
+        sound = j + 1 < end2 and exchange(state, work, first, second, flips)
     else:
         sound = reconnect(state, work, r1, i, r2, j, kind == 3)
     if sound:

@@ -24,17 +24,16 @@ def scan_pair(
     mask_b: np.ndarray,
     bits: tuple[int, int],
     limits_sq: tuple[float, float],
-    first: int,
-    last: int,
+    span: tuple[int, int],
 ) -> int:
-    """Set the link bits of a pair at the instants first … last.
+    """Set the link bits of a pair at the instants of a span, both its ends among them.
 
     Returns how often the pair is nearer than `limits_sq[1]`.
     """
     reach_sq, near_sq = limits_sq
     bit_a, bit_b = np.uint64(bits[0]), np.uint64(bits[1])
     near = 0
-    for slot in range(first, last + 1):
+    for slot in range(span[0], span[1] + 1):
         dx = pos_a[0, slot] - pos_b[0, slot]
         dy = pos_a[1, slot] - pos_b[1, slot]
         dz = pos_a[2, slot] - pos_b[2, slot]
@@ -96,7 +95,7 @@ def renew_pairs(
                 pos_b = cand.pos[b] if work.changed[b] else cur.pos[b]
                 limits = (tables.reach[a, b] ** 2, tables.near_sq[a, b])
                 near = scan_pair(
-                    pos_a, pos_b, cand.mask[a], cand.mask[b], (a, b), limits, first, last
+                    pos_a, pos_b, cand.mask[a], cand.mask[b], (a, b), limits, (first, last)
                 )
                 if close > 0.0:
                     close = pair_closeness(cur.pos[a], cur.pos[b], 1, first - 1, tables.d_min)

@@ -10,6 +10,7 @@ import numpy as np
 from jfto_msgs_py.errors import InfeasibleError
 from jfto_msgs_py.types import Array, Flags
 from jfto_world.compiled import inner, kernel
+from jfto_world.kernel_struct import KernelStruct
 from jfto_world.motion.arducopter.follower import (
     THRUST,
     clock_step,
@@ -70,11 +71,12 @@ def fly_route(
     record = np.zeros((int(np.ceil(budget / step_s)) + 1, 10))
     reached = np.zeros(len(points))
     wind = np.array(wind_mps, dtype=np.float64)
-    count = _fly(
-        points, track.legs, track.half_overlap_s, stops, holds, wpnav.radius_m, parameters,
-        wind, step_s, flown_state(points[0], parameters, wind, step_s), np.zeros(len(points)),
-        np.zeros((3, 3)), reached, record,
-    )  # fmt: skip
+    route = _Route(points, track.legs, track.half_overlap_s, stops, holds, wpnav.radius_m)
+    air = _Air(parameters, wind, step_s)
+    room = _Room(
+        flown_state(points[0], parameters, wind, step_s), np.zeros(len(points)), np.zeros((3, 3))
+    )
+    count = _fly(route, air, room, reached, record)
     return flight_of_record(record, count, reached, step_s, budget, wpnav, wind)
 
 
@@ -143,27 +145,41 @@ def distance(state: Array, point: Array) -> float:
     return math.sqrt(dx * dx + dy * dy + dz * dz)
 
 
-@kernel
-def _fly(
-    points: Array,
-    legs: Array,
-    half_s: Array,
-    stop: Flags,
-    hold_s: Array,
-    radius_m: float,
-    parameters: Array,
-    wind: Array,
-    dt_s: float,
-    state: Array,
-    elapsed: Array,
-    target: Array,
-    reached_s: Array,
-    record: Array,
-) -> int:
-    """Fill `record` and `reached_s`; returns the number of steps, or 0 if they did not suffice.
+@dataclass(frozen=True)
+class _Route(KernelStruct):
+    """What is flown, as in `TargetTrack`: a stop counts as reached within `radius_m`."""
 
-    `elapsed` (M,) and `target` (3, 3), both zero, are room to work in.
-    """
+    points: Array
+    legs: Array
+    half_s: Array
+    stop: Flags
+    hold_s: Array
+    radius_m: float
+
+
+@dataclass(frozen=True)
+class _Air(KernelStruct):
+    """The vehicle's parameters and the wind (2,), m/s, in steps of `dt_s`."""
+
+    parameters: Array
+    wind: Array
+    dt_s: float
+
+
+@dataclass(frozen=True)
+class _Room(KernelStruct):
+    """The vehicle's state at first, and room to work in: `elapsed` (M,), `target` (3, 3), zero."""
+
+    state: Array
+    elapsed: Array
+    target: Array
+
+
+@kernel
+def _fly(route: _Route, air: _Air, room: _Room, reached_s: Array, record: Array) -> int:
+    """Fill `record` and `reached_s`; returns the number of steps, or 0 if they did not suffice."""
+    points, legs, stop, dt_s = route.points, route.legs, route.stop, air.dt_s
+    state, elapsed, target, wind = room.state, room.elapsed, room.target, air.wind
     count = len(legs)
     for axis in range(3):
         target[0, axis] = points[0, axis]
@@ -173,14 +189,14 @@ def _fly(
         if leg == count:
             return i + 1
         now = (i + 1) * dt_s
-        step = clock_step(state, target, parameters, dt_s) * dt_s
-        follow_step(state, target, parameters, wind[0], wind[1], dt_s)
+        step = clock_step(state, target, air.parameters, dt_s) * dt_s
+        follow_step(state, target, air.parameters, wind[0], wind[1], dt_s)
         first = max(leg - 1, 0)
         if leg > 0:
             elapsed[first] += step
         elapsed[leg] += step
         rest = legs[leg, DURATION] - elapsed[leg]
-        over = half_s[leg + 1]
+        over = route.half_s[leg + 1]
         if over > 0.0 and rest <= 2.0 * over:
             elapsed[leg + 1] = 2.0 * over - rest
         _aim(points, legs, elapsed, leg, target)
@@ -190,11 +206,11 @@ def _fly(
                 reached_s[leg] = now
         elif rest <= 0.0:
             if waiting < 0.0:
-                if distance(state, points[leg + 1]) <= radius_m:
+                if distance(state, points[leg + 1]) <= route.radius_m:
                     waiting = 0.0
             else:
                 waiting += dt_s
-            if waiting >= hold_s[leg + 1]:
+            if waiting >= route.hold_s[leg + 1]:
                 leg += 1
                 reached_s[leg] = now
                 waiting = -1.0

@@ -229,12 +229,14 @@ def plan_legs(
     stop: Flags,
     hold_s: Array,
     legs: Array,
-    begin_s: Array,
-    half_s: Array,
-    reached_s: Array,
+    times_s: Array,
 ) -> None:
-    """Fill the legs of a route and their times; arguments as the fields of `TargetTrack`."""
+    """Fill the legs of a route and their times; arguments as the fields of `TargetTrack`.
+
+    `times_s` (3, M) takes `begin_s`, whose last is of no leg, `half_overlap_s` and `reached_s`.
+    """
     count = len(legs)
+    begin_s, half_s, reached_s = times_s[0], times_s[1], times_s[2]
     for k in range(count):
         _fill_between(legs[k], points, k, k + 1, limits)
     now = 0.0

@@ -67,9 +67,9 @@ def plan_target(
     points, stops, holds = route_arrays(points_m, stop, hold_s)
     count = len(points)
     legs = np.zeros((max(count - 1, 0), COLUMNS))
-    begin, half, reached = np.zeros(max(count - 1, 0)), np.zeros(count), np.zeros(count)
-    plan_legs(points, planner_limits(wpnav), stops, holds, legs, begin, half, reached)
-    return TargetTrack(points, legs, begin, half, reached)
+    times = np.zeros((3, count))
+    plan_legs(points, planner_limits(wpnav), stops, holds, legs, times)
+    return TargetTrack(points, legs, times[0, :-1], times[1], times[2])
 
 
 def route_arrays(
