@@ -12,6 +12,7 @@ from jfto_msgs_py.mission_file import FileItem, MissionDocument
 
 _INT32 = 2**31
 _FLOAT32 = 3.4e38
+_HIGHEST_M = 100_000.0
 
 
 def mission_of_document(document: MissionDocument, name: str) -> Mission:
@@ -24,7 +25,8 @@ def mission_of_document(document: MissionDocument, name: str) -> Mission:
     try:
         fence_from_items(fence)
     except MissionError as error:
-        raise MissionFileError(302, f"{name}: {error} Draw it again.") from None
+        reason = str(error).rpartition(" [MAV-")[0]
+        raise MissionFileError(302, f"{name}: {reason} Draw it again.") from None
     return Mission(items, fence, rally, document.parameters, tuple(notes))
 
 
@@ -35,6 +37,10 @@ def _home(document: MissionDocument, items: tuple[Item, ...], notes: list[str], 
         if math.isnan(height):
             notes.append(f"{name}: the altitude of home is left open, 0 m is written")
         height = 0.0 if math.isnan(height) else height
+        if abs(height) > _HIGHEST_M:
+            raise MissionFileError(
+                302, f"{name}: the altitude of home is {height:g} m, which is not on Earth. Set it."
+            )
         return at(mavlink.MAV_CMD_NAV_WAYPOINT, FRAME_ABSOLUTE, lat, lon, height)
     places = (item for item in items if item.has_position and (item.x or item.y))
     first = next(places, Item(mavlink.MAV_CMD_NAV_WAYPOINT))

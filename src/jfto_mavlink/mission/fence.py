@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -78,7 +79,7 @@ def fence_items(fence: Fence) -> tuple[Item, ...]:
 
 
 def fence_from_items(items: Sequence[Item]) -> Fence:
-    """Shapes of fence items; raises MissionError if a polygon is incomplete."""
+    """Shapes of fence items; raises MissionError for an incomplete polygon or an odd circle."""
     polygons: list[Polygon] = []
     circles: list[Circle] = []
     return_point: Position | None = None
@@ -88,19 +89,29 @@ def fence_from_items(items: Sequence[Item]) -> Fence:
     while index < len(items):
         item = items[index]
         if item.command in inclusion_of:
-            count = int(item.params[0])
+            count = 0 if math.isnan(item.params[0]) else int(item.params[0])
             group = items[index : index + count]
             same = all((i.command, i.params[0]) == (item.command, item.params[0]) for i in group)
             if count < 3 or len(group) != count or not same:
                 raise MissionError(301, f"fence item {index}: its polygon is incomplete.")
             vertices = tuple((i.lat_deg, i.lon_deg) for i in group)
+            if any(abs(lat) > 90 or abs(lon) > 180 for lat, lon in vertices):
+                raise MissionError(301, f"fence item {index}: its polygon is not on Earth.")
             polygons.append(Polygon(vertices, inclusion_of[item.command]))
             index += count
             continue
         place = (item.lat_deg, item.lon_deg)
+        if abs(place[0]) > 90 or abs(place[1]) > 180:
+            raise MissionError(301, f"fence item {index}: {place} is not on Earth.")
         if item.command in circle_of:
+            if not item.params[0] > 0:
+                raise MissionError(
+                    301, f"fence item {index}: its radius is {item.params[0]:g} m, must be > 0."
+                )
             circles.append(Circle(place, item.params[0], circle_of[item.command]))
         elif item.command == _RETURN:
+            if return_point is not None:
+                raise MissionError(301, f"fence item {index}: is a second return point.")
             return_point = place
         else:
             raise MissionError(301, f"fence item {index}: command {item.command} is no fence.")

@@ -13,6 +13,7 @@ from typing import Any
 from jfto_msgs_py.mission_file.document import (
     CIRCLE_IN,
     CIRCLE_OUT,
+    FENCE_COMMANDS,
     FENCE_RETURN,
     POLYGON_IN,
     POLYGON_OUT,
@@ -113,10 +114,11 @@ class _PlanReader:
         if self._unused:
             self._notes.append(f"{self._name}: not used: {', '.join(sorted(self._unused))}")
         return MissionDocument(
-            tuple(items),
+            tuple(item for item in items if item.command not in FENCE_COMMANDS | {RALLY}),
             home,
-            fence,
-            rally,
+            # Also those that stand among the items of the mission.
+            fence + tuple(item for item in items if item.command in FENCE_COMMANDS),
+            rally + tuple(item for item in items if item.command == RALLY),
             parameters,
             tuple(self._notes),
             finite(speed, "hoverSpeed", self._name) if speed is not None else None,
