@@ -22,6 +22,8 @@ ARMED_WAIT_S = 3.0
 LIFT_OFF_WAIT_S = 6.0
 # An armed vehicle on the ground disarms itself after 10 s.
 ARM_AHEAD_S = 4.0
+# How fast a vehicle's time passes is known after so long.
+PACE_OVER_S = 1.0
 T = TypeVar("T")
 AIRBORNE = (mavlink.MAV_LANDED_STATE_IN_AIR, mavlink.MAV_LANDED_STATE_TAKEOFF)
 
@@ -70,22 +72,41 @@ def start(context: Context, line: StartLine) -> Exchange[float]:
 
 def line_up(context: Context, line: StartLine) -> Exchange[None]:
     """Arm in GUIDED and wait for the vehicle's moment; raises MavlinkError, disarmed again."""
+    pace = _Pace(context)
     try:
-        yield from _arm(context, line)
-        yield from _wait_for_line(context, line)
+        yield from _arm(context, line, pace)
+        yield from _wait_for_line(context, line, pace)
     except MavlinkError:
         line.failed = line.failed or context.uav
         yield from disarm(context)
         raise
 
 
-def _arm(context: Context, line: StartLine) -> Exchange[None]:
+class _Pace:
+    """How much faster than the link's clock a vehicle's own passes: a simulation may be sped up."""
+
+    def __init__(self, context: Context) -> None:
+        self._context = context
+        self._since = self._now()
+
+    def _now(self) -> tuple[float, float]:
+        now_s = self._context.clock()
+        return now_s, self._context.vehicle.own_time_s(now_s)
+
+    def ahead_s(self) -> float:
+        """ARM_AHEAD_S of the vehicle's time, on the link's clock."""
+        (now_s, own_s), (since_s, own_since_s) = self._now(), self._since
+        if now_s - since_s < PACE_OVER_S:
+            return ARM_AHEAD_S
+        return ARM_AHEAD_S / max((own_s - own_since_s) / (now_s - since_s), 1.0)
+
+
+def _arm(context: Context, line: StartLine, pace: _Pace) -> Exchange[None]:
     yield from set_mode(context, MODES["GUIDED"])
-    arm_s = line.go_s[context.uav] - ARM_AHEAD_S
-    while context.clock() < arm_s:
+    while context.clock() < (arm_s := line.go_s[context.uav] - pace.ahead_s()):
         if line.failed:
             raise _held_back(context, line)
-        yield Wait(arm_s)
+        yield Wait(min(arm_s, context.clock() + PACE_OVER_S))
     yield from command_seen(
         context,
         mavlink.MAV_CMD_COMPONENT_ARM_DISARM,
@@ -98,9 +119,9 @@ def _arm(context: Context, line: StartLine) -> Exchange[None]:
     yield Report("armed")
 
 
-def _wait_for_line(context: Context, line: StartLine) -> Exchange[None]:
+def _wait_for_line(context: Context, line: StartLine, pace: _Pace) -> Exchange[None]:
     go_s = line.go_s[context.uav]
-    late_s = go_s + ARM_AHEAD_S
+    late_s = go_s + pace.ahead_s()
     while context.clock() < go_s or not line.clear_for(context.uav):
         if line.failed:
             raise _held_back(context, line)

@@ -1,0 +1,86 @@
+"""A `jfto run` that is killed in mid-flight, and another that takes the flight over."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from jfto.simulation.fleet import vehicle_configs
+from jfto_msgs_py.plan_file import read_plan
+
+ROOT = Path(__file__).parents[2]
+SCENE = ROOT / "test" / "data" / "scenario" / "short_flight.yaml"
+LIMIT_S = 400.0
+JFTO = [sys.executable, "-m", "jfto"]
+
+
+def until(condition: Callable[[], bool]) -> None:
+    """Wait for what is expected."""
+    end_s, tick = time.monotonic() + LIMIT_S, threading.Event()
+    while not condition():
+        assert time.monotonic() < end_s, "it did not happen"
+        tick.wait(0.1)
+
+
+def lifted_off(directory: Path) -> bool:
+    """Whether the bridge has written down a lift-off a while ago."""
+    path = directory / "flight_state.json"
+    if not path.exists():
+        return False
+    lift_off_ns = json.loads(path.read_text())["lift_off_ns"]
+    return lift_off_ns is not None and time.time() - lift_off_ns / 1e9 > 3.0
+
+
+@pytest.mark.slow
+def test_a_flight_whose_run_was_killed_is_taken_over(vehicles, tmp_path: Path) -> None:
+    """kill -9 takes the nodes along, vehicles fly on; --resume follows them down and reports."""
+    planned, directory = tmp_path / "planned", tmp_path / "run"
+    subprocess.run(
+        [*JFTO, "run", str(SCENE), "--until", "plan", "-o", str(planned)], check=True,
+        capture_output=True, timeout=LIMIT_S,
+    )  # fmt: skip
+    plan = read_plan(planned / "plan.json")
+    fleet = vehicles(vehicle_configs(plan, time.time_ns()), speedup=3)
+    run = [*JFTO, "run", str(SCENE), "--plan", str(planned / "plan.json"), "-o", str(directory)]
+    run += ["--vehicles", fleet.text, "--arm"]
+    with (tmp_path / "killed.txt").open("w") as said:
+        flight = subprocess.Popen(run, stdout=said, stderr=said)
+        try:
+            until(lambda: flight.poll() is not None or lifted_off(directory))
+            assert flight.poll() is None, (tmp_path / "killed.txt").read_text()
+        finally:
+            os.kill(flight.pid, signal.SIGKILL)
+            flight.wait()
+    again = subprocess.run(
+        [*JFTO, "run", "--resume", str(directory), "--json"], capture_output=True, text=True,
+        timeout=LIMIT_S, check=False,
+    )  # fmt: skip
+    assert again.returncode in {0, 1}, again.stdout[-2000:] + again.stderr[-2000:]
+    facts = json.loads(again.stdout)["flight"]
+    assert facts["ended"] == "landed"
+    told = json.loads((directory / "flight.json").read_text())
+    assert any("The flight is taken over" in one["text"] for one in told["events"])
+    assert told["waypoints"]["visited"] > 0
+
+
+def test_there_must_be_something_to_resume(tmp_path: Path, tiny: Path, capsys) -> None:
+    """Another directory, or one whose vehicles ended with the run: said, with what can be done."""
+    from jfto.cli.main import main
+
+    assert main(["run", str(tiny), "--until", "plan", "-o", str(tmp_path / "plan")]) == 0
+    assert main(["run", "--resume", str(tmp_path / "plan")]) == 2
+    assert "no flight was begun there" in capsys.readouterr().err
+    job = {"format": "jfto-flight-job", "version": 1, "title": "tiny", "simulated": True}
+    job |= {"speedup": 1.0, "nodes": []}
+    (tmp_path / "plan" / "flight_job.json").write_text(json.dumps(job))
+    assert main(["run", "--resume", str(tmp_path / "plan")]) == 2
+    assert "jfto report" in capsys.readouterr().err
