@@ -28,6 +28,7 @@ from jfto_msgs_py.mission_file.document import (
 # QGroundControl reads past keys that it does not know.
 PARAMETERS_KEY = "jftoParameters"
 _ABSOLUTE, _ABOVE_HOME = 0, 3
+_ARDUPILOT = 3
 _AGAIN = "Save it again in QGroundControl."
 # Keys whose values are used, or say nothing that would change a flight.
 _KNOWN = {
@@ -102,6 +103,11 @@ class _PlanReader:
                 f"{self._name}: is not a QGroundControl plan with a mission. {_AGAIN}"
             )
         mission = self._section(document, "mission")
+        if mission.get("firmwareType", _ARDUPILOT) != _ARDUPILOT:
+            self._notes.append(
+                f"{self._name}: was made for firmware {_short(mission['firmwareType'])}; its items "
+                f"are taken as ArduPilot's ({_ARDUPILOT})"
+            )
         entries = mission.get("items")
         if not isinstance(entries, list):
             raise MissionTextError(f"{self._name}: mission.items is missing. {_AGAIN}")

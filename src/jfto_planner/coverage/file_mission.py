@@ -18,7 +18,8 @@ from jfto_world.terrain import Dem
 _WAYPOINTS = (16, 82)
 _PASSED = {19: "loiter for a time", 20: "return", 21: "landing", 22: "take-off", 93: "delay"}
 _LAST_NAVIGATION = 95
-_SPEED = 178
+_SPEED, _SET_HOME = 178, 179
+_OTHERS = {177: "jump (177)", _SPEED: "speed (178)"}
 # Photos nearer than this are one: a line's last and the next line's first, or crossing lines.
 _SAME_M = 0.05
 
@@ -79,10 +80,18 @@ class _Reader:
         elif self.trigger.take(item):
             if self.trigger.shoots_now and self._here is not None:
                 self._shoot(self._here, item.place)
-        elif command == _SPEED and item.params[0] in (0, 1) and item.params[1] > 0:
-            self.trigger.speed_mps = item.params[1]
         else:
-            self._passed[f"command {command}"] += 1
+            self._other(item)
+
+    def _other(self, item: FileItem) -> None:
+        if item.command == _SET_HOME:
+            raise WaypointError(
+                f"{item.place}: moves home (179), from which later heights count. Take it out, or "
+                "give heights above sea level or terrain."
+            )
+        if item.command == _SPEED and item.params[0] in (0, 1) and item.params[1] > 0:
+            self.trigger.speed_mps = item.params[1]
+        self._passed[_OTHERS.get(item.command, f"command {item.command}")] += 1
 
     def _waypoint(self, item: FileItem) -> None:
         spot = self._places.spot(item)

@@ -71,6 +71,11 @@ def _of_text(path: Path, dem: Dem, notes: list[str]) -> list[RawWaypoint]:
         raise WaypointError(str(error)) from None
     if not text.strip():
         raise WaypointError(f"{path} is empty. Write one waypoint or more into it.")
+    if dem.above_ellipsoid:
+        notes.append(
+            f"{path}: altitudes are taken above the {dem.height_datum}, as the terrain's; where "
+            "they are above sea level, give heights above ground (agl_m)"
+        )
     if not encoding:
         return read(text, str(path), dem, notes)
     try:

@@ -222,3 +222,25 @@ def test_an_area_is_told_from_waypoints(dem):
     """The refusal gives the rectangle around it, ready to be set."""
     with pytest.raises(WaypointError, match=r"an area;.*center_deg \[46\.20000, 7\.60000\]"):
         read_waypoints(CASES / "12-area.geojson", dem)
+
+
+def test_a_home_that_is_moved_is_refused(tmp_path, dem):
+    """Heights after it would count from another place."""
+    with pytest.raises(WaypointError, match=r"line 4: moves home \(179\)"):
+        read_waypoints(wpl(tmp_path, waypoint(0), do(179, 1), waypoint(20)), dem)
+
+
+def test_speeds_and_jumps_are_said(tmp_path, dem):
+    """Neither changes where photos are taken, and the line names both."""
+    path = wpl(tmp_path, waypoint(0), do(178, 1, 5), waypoint(20), do(177, 1, 3))
+    (note,) = read_waypoint_set(path, dem).notes
+    assert note.endswith("passed over: speed (178) × 1, jump (177) × 1")
+
+
+def test_altitudes_over_an_ellipsoid_are_said(tmp_path, dem):
+    """A point of GeoJSON tells no datum, so it is the terrain's, in a line."""
+    from dataclasses import replace
+
+    other = replace(dem, above_ellipsoid=True, height_datum="ellipsoid of WGS 84")
+    notes = read_waypoint_set(CASES / "11-dronetm.geojson", other).notes
+    assert any("taken above the ellipsoid" in note for note in notes)
