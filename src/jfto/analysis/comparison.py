@@ -21,7 +21,6 @@ from jfto_topology.metrics import average_hops, connectivity_rate, energy_used, 
 from jfto_world.radio import degrees
 
 OURS = "C-TOP"
-ALGORITHMS = ("MTP", "A-LMST", "CPAPO", OURS)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from jfto.analysis.comparison import AlgorithmResult
+from jfto.analysis.comparison import AlgorithmResult, LinkMetrics
 from jfto.analysis.grid import FlownGrid
 from jfto.analysis.record import RecordedFlight
 from jfto_msgs_py.records.plan import Plan
@@ -22,22 +22,17 @@ SUMMED = "computed from the powers in force"
 
 
 @dataclass(frozen=True, eq=False)
-class FlownNetwork:
-    """Links as flown; slots n = 0 … M on axis 0, M being those flown.
+class FlownNetwork(LinkMetrics):
+    """Links as flown and what they were worth; slots n = 0 … M, M being those flown.
 
     `links` (M + 1, A, A) are the pairs that heard each other in the middle of a slot at the powers
     in force then, `power_w` (M + 1, A) and `gain` (M + 1, A, A) those of that instant;
-    `throughput_bps` (M + 1,) is the mean over each slot. `connectivity_rate` is ξ and `hops` the
-    mean shortest path, inf where some slot was disconnected; `linked_hops` leaves those slots'
-    unreachable pairs out. `source` is MEASURED or MODELLED.
+    `throughput_bps` (M + 1,) is the mean over each slot. `linked_hops` leaves the unreachable pairs
+    of disconnected slots out. `source` is MEASURED or MODELLED.
     """
 
-    links: Flags
     power_w: Array
     gain: Array
-    throughput_bps: Array
-    connectivity_rate: float
-    hops: float
     linked_hops: float
     source: str
 
@@ -45,11 +40,6 @@ class FlownNetwork:
     def degree(self) -> NDArray[np.int64]:
         """Neighbours per slot and UAV, (M + 1, A)."""
         return degrees(self.links)
-
-    @property
-    def mean_throughput_mbps(self) -> float:
-        """Mb/s, mean over slots 1 … M."""
-        return float(self.throughput_bps[1:].mean() / 1e6)
 
 
 def flown_network(flight: RecordedFlight, plan: Plan, grid: FlownGrid, n_dc: int) -> FlownNetwork:
