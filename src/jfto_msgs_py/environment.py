@@ -1,14 +1,23 @@
-"""The environment of programs that are not ours."""
+"""What surrounds this program: libraries that are installed, and programs that are not ours."""
 
 from __future__ import annotations
 
 import os
 import sys
 from collections.abc import Mapping
+from importlib import metadata
 from pathlib import Path
 
 # Set by the start-up hook of the ROS 2 wheels, which runs an interpreter anew with their libraries.
 _GUARD = "_ROS_WHEELS_BOOTSTRAP_COMPLETE"
+
+
+def version_of(distribution: str) -> str:
+    """Installed version of a distribution, "" if it is absent."""
+    try:
+        return metadata.version(distribution)
+    except metadata.PackageNotFoundError:
+        return ""
 
 
 def foreign_environment(environment: Mapping[str, str] | None = None) -> dict[str, str]:

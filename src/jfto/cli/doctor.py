@@ -8,12 +8,12 @@ import platform
 import sys
 import time
 from dataclasses import dataclass
-from importlib import metadata
 
 import click
 
 from jfto import __version__
 from jfto.cli.options import json_option, print_json
+from jfto_msgs_py.environment import version_of
 
 # In the order in which they are looked at.
 _LIBRARIES = (
@@ -98,8 +98,8 @@ def _python() -> Finding:
 def _library(name: str) -> Finding:
     needed = name not in _OPTIONAL
     use = "" if needed else f", for {_OPTIONAL[name]}"
-    version = _version(name)
-    if version is None:
+    version = version_of(name)
+    if not version:
         cure = f"pip install -c constraints.txt {name}"
         return Finding(name, False, needed, f"not installed{use}", cure)
     try:
@@ -147,11 +147,3 @@ def _ros() -> Finding:
     except RosMissingError as error:
         state, good = str(error), False
     return Finding("ROS 2", good, False, state)
-
-
-def _version(library: str) -> str | None:
-    """Installed version of a distribution, None if it is absent."""
-    try:
-        return metadata.version(library)
-    except metadata.PackageNotFoundError:
-        return None

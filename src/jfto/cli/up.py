@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 import threading
 from collections.abc import Mapping
-from datetime import datetime, timezone
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -145,15 +145,13 @@ def graph_of(
     loaded: LoadedScenario, out: Path | None, plan_file: Path | None, choices: Mapping[str, Any]
 ) -> GraphOptions:
     """What is to run, in a directory that has its scenario and the plan, where one is given."""
-    from jfto.pipeline.directory import PLAN_NAME, write_scenario
+    from jfto.pipeline.directory import PLAN_NAME, make_run_directory, write_scenario
     from jfto.planning.scenario_file import SCENARIO_NAME
     from jfto.supervision.graph_table import GraphOptions, suited_to
     from jfto_msgs_py.plan_file import read_plan, write_plan
 
     vehicles = _vehicles(loaded, choices)
-    if out is None:
-        out = Path(datetime.now(timezone.utc).strftime("up-%Y%m%dT%H%M%SZ"))
-    directory = out.resolve()
+    directory = make_run_directory(out, "up").resolve()
     write_scenario(loaded, directory / SCENARIO_NAME)
     if plan_file is not None:
         # A copy: replanning writes to it.

@@ -35,15 +35,15 @@ _STATES = (LIFT_OFF_NAME, ENERGY_NAME, FLIGHT_STATE_NAME, *GUIDED_NAMES, JOB_NAM
 _BAG = re.compile(re.escape(BAG_NAME) + r"(?:-(\d+))?")
 
 
-def make_run_directory(out: Path | None) -> Path:
-    """Create the directory for a run: `out`, or run-<UTC stamp>; raises InputError."""
+def make_run_directory(out: Path | None, kind: str = "run") -> Path:
+    """Create the directory for a run: `out`, or `kind`-<UTC stamp>; raises InputError."""
     if out is None:
         stamp = datetime.now(timezone.utc).strftime("%Y%m%dT%H%M%SZ")
-        out = Path(f"run-{stamp}")
+        out = Path(f"{kind}-{stamp}")
     if out.exists() and not out.is_dir():
         raise InputError(f"{out}: is a file. Name a directory with --out.")
     try:
-        (out / FIGURES).mkdir(parents=True, exist_ok=True)
+        out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(
             f"{out}: cannot be made: {error.strerror}. Name another place with --out."

@@ -7,9 +7,8 @@ import math
 import platform
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
-from importlib import metadata, resources
+from importlib import resources
 from typing import Any
 
 import numpy as np
@@ -24,7 +23,8 @@ from jfto.analysis.motion import flight_spread, spread_text
 from jfto.analysis.paper import HEADINGS, PAPER, active_text, beside_paper, number, ratios_text
 from jfto.reporting.palette import uav_colour
 from jfto.reporting.scene import FLOWN, scene_data
-from jfto_msgs_py.records.event import ERROR, WARN
+from jfto_msgs_py.environment import version_of
+from jfto_msgs_py.records.event import WARN, grade
 from jfto_msgs_py.records.passage import VISITED_M
 from jfto_msgs_py.records.plan import Plan
 from jfto_world.terrain import Dem
@@ -113,7 +113,7 @@ def _environment() -> Environment:
         "colour": uav_colour,
         "endings": _endings_text,
         "kinds": _kinds_text,
-        "level": _level_text,
+        "level": grade,
         "number": lambda value, decimals, signed=False: number(value, decimals, signed=signed),
         "power_sources": _power_sources,
     }
@@ -144,11 +144,9 @@ def _static(name: str) -> Markup:
 
 def _versions() -> dict[str, str]:
     """Versions of JFTO, Python and the libraries that a plan's figures depend on."""
+    libraries = ("numpy", "scipy", "numba", "rasterio", "pyproj", "matplotlib", "plotly")
     found = {"JFTO": __version__, "Python": platform.python_version()}
-    for library in ("numpy", "scipy", "numba", "rasterio", "pyproj", "matplotlib", "plotly"):
-        with suppress(metadata.PackageNotFoundError):
-            found[library] = metadata.version(library)
-    return found
+    return found | {name: version for name in libraries if (version := version_of(name))}
 
 
 def _tightest_energy(plan: Plan) -> tuple[float, float, str]:
@@ -175,7 +173,3 @@ def _power_sources(facts: FlightFacts) -> str:
 def _kinds_text(exceptions: Sequence[FlownException]) -> str:
     counts = Counter(one.kind for one in exceptions)
     return ", ".join(f"{count} × {_KINDS[kind]}" for kind, count in counts.most_common())
-
-
-def _level_text(level: int) -> str:
-    return "error" if level >= ERROR else "warning" if level >= WARN else "note"

@@ -12,6 +12,12 @@ from jfto_msgs_py.errors import MessageError
 # Levels, as rcl_interfaces/Log has them.
 DEBUG, INFO, WARN, ERROR, FATAL = 10, 20, 30, 40, 50
 
+
+def grade(level: int) -> str:
+    """What a level amounts to for a reader: "error", "warning" or "note"."""
+    return "error" if level >= ERROR else "warning" if level >= WARN else "note"
+
+
 # What an event may be about. Readers take others too: a node may be newer than they are.
 KINDS = {
     "k_min": "a UAV has, or will have, fewer radio neighbours than asked for",

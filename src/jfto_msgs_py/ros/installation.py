@@ -10,6 +10,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Literal
 
+from jfto_msgs_py.environment import version_of
 from jfto_msgs_py.errors import InputError
 
 # The wheels bring this one only.
@@ -61,7 +62,7 @@ def find_ros() -> RosInstallation | None:
         return None
     from_wheels = _wheels_folder() == Path(found.origin).parents[1]
     names = ("rclpy", "rmw-fastrtps-cpp", "common-interfaces")
-    versions = {name: _version(f"ros-{name}") for name in names} if from_wheels else {}
+    versions = {name: version_of(f"ros-{name}") for name in names} if from_wheels else {}
     distribution = os.environ.get("ROS_DISTRO", "unknown")
     return RosInstallation(
         source="wheels" if from_wheels else "system",
@@ -146,10 +147,3 @@ def _sourced_rclpy() -> bool:
         for prefix in prefixes
         if prefix
     )
-
-
-def _version(distribution: str) -> str:
-    try:
-        return metadata.version(distribution)
-    except metadata.PackageNotFoundError:
-        return ""

@@ -19,7 +19,7 @@ from jfto.reporting.figures.style import (
     styled,
 )
 from jfto.reporting.palette import uav_colour
-from jfto_msgs_py.records.event import ERROR, WARN
+from jfto_msgs_py.records.event import grade
 from jfto_msgs_py.types import Array
 
 # More to spare than this is as good as any.
@@ -131,10 +131,7 @@ def _first_s(facts: FlightFacts) -> float:
 
 def _events(axes: Axes, facts: FlightFacts, rows: dict[str, int]) -> None:
     """Markers, the graver over the others, and the kinds of the gravest in words."""
-    graded = [
-        ("error" if e.level >= ERROR else "warning" if e.level >= WARN else "note", e)
-        for e in facts.flight.events
-    ]
+    graded = [(grade(event.level), event) for event in facts.flight.events]
     for word, (mark, colour, size) in _MARKS.items():
         these = [event for level, event in graded if level == word]
         axes.plot(
