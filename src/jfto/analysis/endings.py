@@ -23,7 +23,7 @@ class Ending:
     """`how` is one of the words above; `last_s` the time of the last pose after lift-off.
 
     `return_gap_m` is the least distance to another UAV in the air after the mission, inf where
-    there was none: the plan makes no promise for the way home.
+    there was none.
     """
 
     uav: str

@@ -32,6 +32,8 @@ from jfto_world.terrain import Dem
 
 # A flight with this share of clean slots is called good; every other slot is explained.
 CLEAN_SHARE = 0.99
+# Lower than this above its pad a UAV stands on it.
+ON_PAD_M = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,6 +101,18 @@ class FlightFacts:
             f"{100 * self.certificate.clean_share:.1f} % of slots clean{self.shifted}, "
             f"{100 * self.throughput.ratio:.1f} % of the planned throughput"
         )
+
+    @property
+    def landed_s(self) -> float | None:
+        """When the last UAV was last seen above its pad, s from lift-off; None before that."""
+        if not all(one.how == LANDED for one in self.endings):
+            return None
+        last_s = 0.0
+        for uav in self.plan.uavs:
+            track = self.flight.tracks[uav.id]
+            up = track.position_m[:, 2] - uav.start_m[2] > ON_PAD_M
+            last_s = max(last_s, float(track.times_s[up].max(initial=0.0)))
+        return last_s
 
     @property
     def timing(self) -> tuple[UavTiming, ...]:

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from jfto.cli.options import PATH, json_option, print_json
+
+if TYPE_CHECKING:
+    from jfto_msgs_py.records.plan import Plan
 
 
 @click.command("check")
@@ -16,8 +20,9 @@ def command(plan: Path, as_json: bool) -> int:
     """Verify PLAN from its positions alone, with code that planning does not use.
 
     Every slot and ten instants between slots: visits, separation, neighbours, connectivity,
-    durations, lengths, energy. Status 0 if all holds, 3 if not.
+    durations, lengths, energy; and the ways home down to the pads. Status 0 if all holds, 3 if not.
     """
+    from jfto import words
     from jfto.cli.failure import EXIT_INFEASIBLE
     from jfto.cli.results import plan_facts
     from jfto.planning.routes import read_and_certify
@@ -28,16 +33,17 @@ def command(plan: Path, as_json: bool) -> int:
     if as_json:
         print_json(plan_facts(read, str(plan)))
         return 0 if certificate.clean else EXIT_INFEASIBLE
-    longest = max(route.end_s for route in read.routes)
     click.echo(f"{plan}: {len(read.uavs)} UAVs, {len(read.waypoints)} waypoints")
     facts = {
         "neighbours": f"{certificate.slot_violations} of {certificate.slot_checks} slot checks "
         f"violated, {certificate.fine_violations} violations at 10 × finer sampling",
-        "margin": f"{certificate.worst_margin_db:.2f} dB at least "
-        f"({certificate.worst_margin_uav}, slot {certificate.worst_margin_slot:g})",
-        "separation": f"{certificate.worst_separation_m:.1f} m at least, {read.d_min_m:g} m asked",
+        "margin": words.least_margin(certificate, 2),
+        "separation": words.least_distance(read, certificate.worst_separation_m),
         "length": f"{read.total_length_m / 1000:.2f} km, {read.length_max_m / 1000:g} km allowed",
-        "duration": f"{longest:.0f} s",
+        "duration": words.flight_time(read),
+        "way home": words.way_home(read) or "not planned: older plan, or written by others",
+        "battery": _battery(read),
+        "wind": words.made_for(read),
         "energy": _energy(certificate.energy_floor_j, [uav.energy_j for uav in read.uavs]),
     }
     for name, text in facts.items():
@@ -48,6 +54,19 @@ def command(plan: Path, as_json: bool) -> int:
         click.echo(f"  and {len(certificate.violations) - 20} more (--json lists all)")
     click.echo("✓ verified" if certificate.clean else "✗ not feasible")
     return 0 if certificate.clean else EXIT_INFEASIBLE
+
+
+def _battery(plan: Plan) -> str:
+    """What is left of the shortest endurance once its UAV has landed."""
+    left = [
+        (uav.endurance_s - home.landed_s, uav)
+        for uav, home in zip(plan.uavs, plan.homes or (None,) * len(plan.uavs), strict=True)
+        if uav.endurance_s and home is not None
+    ]
+    if not left:
+        return "not checked: fleet.endurance_s is not given, or no way home"
+    spare_s, uav = min(left, key=lambda one: one[0])
+    return f"{spare_s:.0f} s of {uav.endurance_s:g} s left on landing ({uav.id}, the tightest)"
 
 
 def _energy(floor_j: tuple[float, ...], budget_j: list[float]) -> str:

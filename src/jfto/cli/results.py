@@ -37,6 +37,8 @@ def plan_facts(plan: Plan, path: str, cures: tuple[str, ...] = ()) -> dict[str, 
         "waypoints": len(plan.waypoints),
         "length_m": plan.total_length_m,
         "horizon_s": plan.slots.horizon_s,
+        "landed_s": plan.landed_s,
+        "wind_mps": plan.wind_mps,
         "certificate": certificate_object(plan.certificate),
         "cures": list(cures),
     }

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from jfto import words
 from jfto.console.progress import SILENT, Progress
 from jfto.planning.flight import Flight, ends_s, expected_s, flight_of, tightened
 from jfto.planning.network import energy_floor_of
@@ -131,6 +132,7 @@ def plan_routes(
     assert best is not None
     good = best.plan.clean
     progress.end("routes", f"{best.plan.total_length_m / 1000:.2f} km", _proof(best), good=good)
+    progress.end("way home", f"{best.plan.landed_s or 0.0:.0f} s", _homeward(best.plan), good=good)
     return best
 
 
@@ -248,9 +250,12 @@ def _proof(planned: Planned) -> str:
     certificate = planned.certificate
     text = f"{certificate.slot_violations} of {certificate.slot_checks} slot checks violated"
     if math.isfinite(certificate.worst_margin_db):
-        text += (
-            f", margin ≥ {certificate.worst_margin_db:.1f} dB ({certificate.worst_margin_uav}, "
-            f"slot {certificate.worst_margin_slot:g})"
-        )
+        text += f", margin ≥ {words.least_margin(certificate)}"
     text += ", stopped early" if planned.interrupted else ""
     return f"{planned.learned}; {text}" if planned.learned else text
+
+
+def _homeward(plan: Plan) -> str:
+    """Until when the fleet flies, and how far apart and high it comes home."""
+    parts = (words.flight_time(plan), words.way_home(plan), words.made_for(plan))
+    return "; ".join(part for part in parts if part)

@@ -15,7 +15,7 @@ import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from jfto import __version__
+from jfto import __version__, words
 from jfto.analysis.certificate import FlownException
 from jfto.analysis.comparison import Comparison
 from jfto.analysis.facts import FlightFacts
@@ -74,7 +74,8 @@ class ReportContent:
     @property
     def title(self) -> str:
         """What was planned, in a few words."""
-        return f"{len(self.plan.uavs)} UAVs over {len(self.plan.waypoints)} waypoints"
+        count = len(self.plan.uavs)
+        return f"{count} UAV{'s' * (count != 1)} over {len(self.plan.waypoints)} waypoints"
 
 
 def report_page(content: ReportContent) -> str:
@@ -114,6 +115,7 @@ def _environment() -> Environment:
         "endings": _endings_text,
         "kinds": _kinds_text,
         "level": grade,
+        "measured": words.measured,
         "number": lambda value, decimals, signed=False: number(value, decimals, signed=signed),
         "power_sources": _power_sources,
     }
@@ -132,6 +134,7 @@ def _environment() -> Environment:
         "violations_shown": _VIOLATIONS_SHOWN,
         "visited_m": VISITED_M,
         "warn": WARN,
+        "words": words,
     }
     return environment
 

@@ -50,14 +50,12 @@ class Violation:
 class WayHomeCheck:
     """What was found of the ways home, from the horizon until the last UAV is down at `landed_s`.
 
-    `worst_separation_m` is the least distance between two UAVs, `least_clearance_m` that to the
-    ground away from pads and last waypoints, where the ground was known. The shares are of time:
-    with the fleet in one part, and with K_min neighbours for everybody. They are no rule.
+    `worst_separation_m` is the least distance between two UAVs. The shares are of time: with the
+    fleet in one part, and with K_min neighbours for everybody. They are no rule.
     """
 
     landed_s: float
     worst_separation_m: Measured
-    least_clearance_m: Measured
     connected_share: float
     neighbours_share: float
 

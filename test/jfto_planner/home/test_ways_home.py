@@ -77,7 +77,6 @@ def test_the_certificate_agrees(homed, time_model):
     assert found.home is not None
     assert found.home.landed_s == plan.landed_s == max(home.landed_s for home in plan.homes)
     assert found.home.worst_separation_m >= plan.d_min_m - 1e-3
-    assert found.home.least_clearance_m >= CLEARANCE_M - 0.05
     assert found.home.connected_share == found.home.neighbours_share == 1.0
 
 

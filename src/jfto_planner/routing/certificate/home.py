@@ -66,13 +66,11 @@ def check_home(
                 f"{uav.endurance_s:g} s"
             )
             found.append(_violation(uav, home.landed_s, uav.endurance_s, message, "endurance"))
-    clear_m = np.nan
     if ground is not None:
-        low, clear_m = _check_ground(plan, [places for _, places in flown], ground, times)
-        found += low
+        found += _check_ground(plan, [places for _, places in flown], ground, times)
     close, nearest_m = _check_apart(plan, np.stack([places for _, places in flown], 1), times)
     landed_s = max(home.landed_s for home in plan.homes)
-    return [*found, *close], WayHomeCheck(landed_s, nearest_m, float(clear_m), 0.0, 0.0)
+    return [*found, *close], WayHomeCheck(landed_s, nearest_m, 0.0, 0.0)
 
 
 def _fly(plan: Plan, a: int, times_s: Array) -> tuple[Array, Array]:
@@ -139,9 +137,9 @@ def _check_records(plan: Plan, a: int, home: WayHome, reached_s: Array) -> list[
 
 def _check_ground(
     plan: Plan, flown: list[Array], rule: GroundRule, times_s: Array
-) -> tuple[list[Violation], float]:
-    """UAVs too low away from where they begin and from their pads; the least height of all."""
-    found, least = [], np.inf
+) -> list[Violation]:
+    """UAVs too low away from where they begin and from their pads, one violation each."""
+    found = []
     for uav, home, places in zip(plan.uavs, plan.homes, flown, strict=True):
         line = home.line_m
         away = np.hypot(*(places[:, :2] - np.array(uav.start_m)[:2]).T) > PAD_M
@@ -150,7 +148,6 @@ def _check_ground(
             continue
         above = places[away, 2] - rule.height(places[away, 0], places[away, 1])
         worst = int(np.argmin(above))
-        least = min(least, float(above[worst]))
         if above[worst] < rule.clearance_m - GROUND_M:
             at_s = float(times_s[away][worst])
             message = (
@@ -159,7 +156,7 @@ def _check_ground(
             )
             one = _violation(uav, float(above[worst]), rule.clearance_m, message)
             found.append(replace(one, time_s=at_s))
-    return found, least if np.isfinite(least) else np.nan
+    return found
 
 
 def _check_apart(plan: Plan, places_m: Array, times_s: Array) -> tuple[list[Violation], float]:
