@@ -179,7 +179,7 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
         ground = None
         if options.check_terrain and ground_of is not None:
             ground = partial(ground_of, scenario)
-        return open_operation(stack, scenario.fleet.ids, options, ground, side)
+        return open_operation(stack, scenario, options, ground, side)
 
     def _serve(self) -> OrderServer | None:
         """Orders from this computer without ROS, where nobody else takes them."""

@@ -21,13 +21,13 @@ from jfto_mavlink.fleet.roster import Roster, parse_vehicles
 from jfto_mavlink.fleet.station import StationSettings
 from jfto_mavlink.fleet.watched_flight import Recognised, WatchedFlight, recognise_all
 from jfto_mavlink.flight.follow import Moment
-from jfto_mavlink.flight.preflight import GateSettings
 from jfto_mavlink.flight.telemetry import LinkState, Measurement, PositionSample, Sample, listen
 from jfto_mavlink.guided.orders import GuidedOrders
 from jfto_mavlink.guided.scheduler import GuidedSettings
 from jfto_mavlink.guided.target import MapFrame
 from jfto_mavlink.io.signing import load_signer
 from jfto_mavlink.mission.build import VehicleMission, build_missions
+from jfto_mavlink.mission.changed import ChangedParameters
 from jfto_mavlink.mission.limits import Ground, MissionLimits
 from jfto_mavlink.mission.settings import (
     MissionSettings,
@@ -35,18 +35,23 @@ from jfto_mavlink.mission.settings import (
     settings_for,
 )
 from jfto_mavlink.options import BridgeOptions
+from jfto_mavlink.preflight.page import Preflight, write_page
+from jfto_mavlink.preflight.settings import GateSettings, gate_settings
 from jfto_mavlink.protocol.exchange import Context
 from jfto_mavlink.protocol.setup import rates_for
 from jfto_mavlink.protocol.timesync import PacedClock
-from jfto_msgs_py.errors import PlanError
+from jfto_msgs_py.errors import JftoError, PlanError
 from jfto_msgs_py.plan_file import read_plan
-from jfto_msgs_py.records.event import ERROR, Event
+from jfto_msgs_py.records.event import ERROR, INFO, Event
 from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.records.vehicle import VehiclePose
+from jfto_msgs_py.scenario import Scenario
 from jfto_world.motion.arducopter.takeoff import SPOOL_UP_S
 from jfto_world.terrain.frame import LocalFrame
 
 NS = 1_000_000_000
+# Between two tries to put parameters back.
+RESTORE_EVERY_S = 15.0
 # What comes in from other threads than the node's.
 Incoming = Sample | Event | Recognised
 
@@ -81,7 +86,7 @@ def real_roster(options: BridgeOptions, uavs: tuple[str, ...]) -> Roster:
 
 def open_operation(
     stack: ExitStack,
-    uavs: tuple[str, ...],
+    scenario: Scenario,
     options: BridgeOptions,
     ground: Callable[[], Ground] | None,
     node: NodeSide,
@@ -97,14 +102,15 @@ def open_operation(
     if not path.exists():
         raise PlanError(f"{path} is not there yet.")
     plan = read_plan(path)
-    ids = tuple(uav.id for uav in plan.uavs)
+    ids, uavs = tuple(uav.id for uav in plan.uavs), scenario.fleet.ids
     if ids != uavs:
         raise PlanError(
             f"{path} is for {', '.join(ids)}, the scenario for {', '.join(uavs)}. Give both the "
             "same fleet."
         )
     settings = mission_settings(plan, options)
-    built = build_missions(plan, settings, ground=None if ground is None else ground())
+    known_ground = None if ground is None else ground()
+    built = build_missions(plan, settings, ground=known_ground)
     link = stack.enter_context(
         FleetLink(
             real_roster(options, ids),
@@ -118,8 +124,19 @@ def open_operation(
             on_event=node.incoming,
         )
     )
-    fleet = Fleet(link, {mission.uav: mission for mission in built}, node.report)
-    chosen = _order_settings(plan, options, node)
+    fleet = Fleet(
+        link,
+        {mission.uav: mission for mission in built},
+        node.report,
+        ChangedParameters(Path(options.parameters_file) if options.parameters_file else None),
+        partial(_keep_page, options.preflight_file),
+    )
+    gate = gate_settings(
+        *(plan, scenario, known_ground),
+        guided=bool(plan.trajectories),
+        by_the_clock=bool(options.gates),
+    )
+    chosen = _order_settings(gate, options, node)
     orders = FleetOrders(fleet, chosen)
     # A plan that was certified for curves is never flown as missions.
     if plan.trajectories:
@@ -150,9 +167,14 @@ def mission_settings(plan: Plan, options: BridgeOptions) -> MissionSettings:
     )
 
 
-def _order_settings(plan: Plan, options: BridgeOptions, node: NodeSide) -> OrderSettings:
+def _keep_page(file: str, page: Preflight) -> None:
+    if file:
+        write_page(page, Path(file))
+
+
+def _order_settings(gate: GateSettings, options: BridgeOptions, node: NodeSide) -> OrderSettings:
     """Orders that keep to the time gates, where there are any."""
-    chosen = OrderSettings(options.allow_arming, options.abort_by_landing)
+    chosen = OrderSettings(options.allow_arming, options.abort_by_landing, gate)
     if not options.gates:
         return chosen
     unix = node.clock or time.time
@@ -161,8 +183,7 @@ def _order_settings(plan: Plan, options: BridgeOptions, node: NodeSide) -> Order
         # Times count from lift-off, to which the rotors take their time from the start on.
         return options.start_at_s - SPOOL_UP_S - unix()
 
-    checks = GateSettings(utc_error_max_s=plan.slots.duration_s / 4)
-    return replace(chosen, gate=checks, start_away_s=away_s)
+    return replace(chosen, start_away_s=away_s)
 
 
 class Operation:
@@ -179,6 +200,7 @@ class Operation:
         self.plan, self.link, self.orders = plan, link, orders
         self._node, self._speedup = node, options.speedup
         self._is_stamped_by_vehicles = options.vehicle_stamps
+        self._restore_from_s = 0.0
         frame = LocalFrame(plan.origin)
         missions = orders.missions
         self._maps = {uav: MapFrame(frame, m.home_deg_m[2]) for uav, m in missions.items()}
@@ -232,6 +254,24 @@ class Operation:
             return
         self.states[one.uav] = one
         self.flight.take(one)
+        self._put_back(one.at_s)
+
+    def _put_back(self, now_s: float) -> None:
+        """Once nobody flies, give vehicles the parameters that they had before the flight."""
+        changed = self.orders.fleet.changed.vehicles
+        if not changed or now_s < self._restore_from_s or not self.flight.down or self.orders.busy:
+            return
+        self._restore_from_s = now_s + RESTORE_EVERY_S
+        threading.Thread(target=self._restore, name="restore", daemon=True).start()
+
+    def _restore(self) -> None:
+        before = self.orders.fleet.changed.vehicles
+        try:
+            event = Event(INFO, "parameters", "", self.orders.restore())
+        except JftoError as error:
+            event = Event(ERROR, "parameters", "", str(error))
+        if event.level == ERROR or self.orders.fleet.changed.vehicles != before:
+            self._node.incoming(event)
 
     @property
     def phase(self) -> str:

@@ -26,6 +26,14 @@ class BridgeOptions:
     state_file: str = param(
         "", "Where the flight under way is kept, for after a restart; left out: nowhere."
     )
+    parameters_file: str = param(
+        "",
+        "Where it is kept what vehicles' parameters were before the flight, until they are put "
+        "back; left out: nowhere.",
+    )
+    preflight_file: str = param(
+        "", "Where the page of the last checks is written; left out: nowhere."
+    )
     telemetry_rate_hz: float = param(
         10.0, "Positions and attitudes per second and UAV.", unit="Hz", low=0.5, high=50.0
     )

@@ -10,11 +10,12 @@ from collections.abc import Callable, Mapping
 from typing import TypeVar
 
 from jfto_mavlink.dialect import Message
-from jfto_mavlink.errors import RosterError
+from jfto_mavlink.errors import MavlinkError
 from jfto_mavlink.fleet.roster import Roster, RosterEntry
 from jfto_mavlink.fleet.station import GroundStation, StationSettings
 from jfto_mavlink.flight.telemetry import LOST_AFTER_S
 from jfto_mavlink.io.address import LinkAddress
+from jfto_mavlink.io.framing import Frame
 from jfto_mavlink.io.port import Port, Station
 from jfto_mavlink.io.signing import Signer
 from jfto_mavlink.io.transport import Peer, Received
@@ -122,7 +123,7 @@ class Rehearsal:
         station = station or Station()
         by_id = {vehicle.config.sysid: vehicle for vehicle in vehicles.values()}
         self.air = AirLink(by_id, to_vehicle, from_vehicle, seed, port)
-        self.link = Port(LINK, station, 0, signer, self.air)
+        self.link = Port(LINK, station, 0, signer, self.air, self._refused)
         self.roster = Roster(
             tuple(RosterEntry(uav, v.config.sysid, LINK) for uav, v in vehicles.items())
         )
@@ -132,7 +133,7 @@ class Rehearsal:
             self._transmit,
             self.clock,
             lambda: first.utc_us / 1e6,
-            StationSettings(station, rates=rates),
+            StationSettings(station, signer, rates),
             log,
         )
 
@@ -166,7 +167,7 @@ class Rehearsal:
         for uav, job in jobs.items():
             try:
                 running[uav] = self.start(uav, job, report)
-            except RosterError as error:
+            except MavlinkError as error:
                 results[uav] = error
         while not all(activity.done for activity in running.values()):
             self._step()
@@ -196,6 +197,9 @@ class Rehearsal:
         for peer, frame in self.link.receive():
             self.station.handle(LINK, peer, frame)
         self.station.tick()
+
+    def _refused(self, frame: Frame, why: str) -> None:
+        self.station.refused(LINK, frame, why)
 
     def _transmit(self, _link: LinkAddress, peer: Peer, message: Message) -> bytes:
         return self.link.send(message, peer)

@@ -105,21 +105,60 @@ def diff(old: Path, new: Path) -> int:
 @speedup_option
 @build_options
 def upload(plan: Path, **choices: Any) -> int:
-    """Upload PLAN's missions to all vehicles, read back, compare; all are released or none."""
+    """Upload PLAN's missions to all vehicles, read back, compare; all are released or none.
+
+    Parameters that they rely on are set, and what they were is kept beside PLAN: put them back
+    after the flight with jfto mission restore.
+    """
     from jfto.console.vehicles import show_vehicles
-    from jfto_mavlink.fleet.fly import deliver_to_fleet
+    from jfto.supervision.graph_table import PARAMETERS_NAME
+    from jfto_mavlink.fleet.fly import Fleet, deliver_to_fleet, set_parameters
+    from jfto_mavlink.mission.changed import ChangedParameters
 
     missions = build(plan, choices)
+    changed = ChangedParameters(plan.with_name(PARAMETERS_NAME))
     with _link(choices, plan) as link, show_vehicles() as progress:
         sent = {uav: mission.mission for uav, mission in missions.items()}
         outcome = deliver_to_fleet(link, sent, progress.report)
+        if not outcome.failed:
+            set_parameters(Fleet(link, missions, progress.report, changed))
     for uav, delivered in outcome.delivered.items():
         click.echo(f"✓ {uav}  verified  {delivered.duration_s:5.1f} s  {delivered.digest[:12]}")
     for uav, error in outcome.failed.items():
         click.echo(f"✗ {uav}  {error}", err=True)
     outcome.release()
     click.echo(f"✓ fleet released: {len(outcome.delivered)} vehicles hold their missions")
+    if changed.vehicles:
+        click.echo(f"Parameters as they were: {changed.path}, for jfto mission restore")
     return 0
+
+
+@command.command("restore")
+@click.argument("record", type=PATH)
+@_vehicles_option
+@key_option
+def restore(record: Path, **choices: Any) -> int:
+    """Put back the parameters that RECORD says vehicles had before a flight.
+
+    RECORD is parameters.json of a run, or the one beside the plan of jfto mission upload. It is
+    gone once all is put back. Vehicles in flight are left alone.
+    """
+    from jfto.console.vehicles import show_vehicles
+    from jfto_mavlink.errors import RosterError
+    from jfto_mavlink.mission.changed import ChangedParameters, restore_parameters
+
+    changed = ChangedParameters(record)
+    if not changed.vehicles:
+        click.echo(f"{record}: nothing is left to put back.")
+        return 0
+    with _link(choices, uavs=tuple(changed.vehicles)) as link, show_vehicles() as progress:
+        unknown = set(changed.vehicles) - set(link.roster.uavs)
+        if unknown:
+            raise RosterError(205, f"{', '.join(sorted(unknown))}: not in the roster.")
+        jobs = dict.fromkeys(changed.vehicles, lambda context: restore_parameters(context, changed))
+        results = link.run(jobs, progress.report)
+    failed = {uav: one for uav, one in results.items() if isinstance(one, Exception)}
+    return _show_differences(failed or dict.fromkeys(results, ()))
 
 
 @command.command("verify")
@@ -130,12 +169,19 @@ def upload(plan: Path, **choices: Any) -> int:
 def verify_command(plan: Path, **choices: Any) -> int:
     """Compare what the vehicles hold with PLAN's missions, item by item. Status 1 if different."""
     from jfto.console.vehicles import show_vehicles
+    from jfto_mavlink.mission.changed import compare_parameters
     from jfto_mavlink.mission.deliver import verify
+    from jfto_mavlink.protocol.exchange import Context, Exchange
 
     missions = build(plan, choices)
 
+    def compare(context: Context, mission: Mission) -> Exchange[tuple[str, ...]]:
+        items = yield from verify(context, mission)
+        parameters = yield from compare_parameters(context, mission.parameters)
+        return (*items, *parameters)
+
     def job(mission: Mission) -> Any:
-        return lambda context: verify(context, mission)
+        return lambda context: compare(context, mission)
 
     with _link(choices, plan) as link, show_vehicles() as progress:
         jobs = {uav: job(mission.mission) for uav, mission in missions.items()}
@@ -240,7 +286,11 @@ def order_command(order: str, only: tuple[str, ...], **choices: Any) -> int:
 
 
 def _link(
-    choices: dict[str, Any], plan_file: Path | None = None, *, complete: bool = True
+    choices: dict[str, Any],
+    plan_file: Path | None = None,
+    *,
+    complete: bool = True,
+    uavs: tuple[str, ...] = (),
 ) -> AbstractContextManager[FleetLink]:
     """Links to the vehicles of a command line; simulated ones stand on the pads of the plan."""
     from jfto.flight.fleet_link import open_fleet
@@ -252,6 +302,7 @@ def _link(
         speedup=choices.get("speedup", 1.0),
         key_file=choices["key_file"],
         complete=complete,
+        uavs=uavs,
     )
 
 

@@ -8,7 +8,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from jfto.simulation.fleet import vehicle_configs
-from jfto_mavlink.errors import RosterError
+from jfto_mavlink.errors import RosterError, SigningError
 from jfto_mavlink.fleet.link import FleetLink
 from jfto_mavlink.fleet.roster import Roster, RosterEntry, parse_vehicles
 from jfto_mavlink.fleet.station import StationSettings
@@ -29,15 +29,17 @@ def open_fleet(
     speedup: float = 1.0,
     key_file: Path | None = None,
     complete: bool = True,
+    uavs: Sequence[str] = (),
 ) -> Iterator[FleetLink]:
     """Links to a fleet, once all of it has reported.
 
     `vehicles` is ("sim",), whose vehicles stand on the pads of the plan and run `speedup` times
     faster than the clock, or links or entries of a roster as `parse_vehicles` takes them. With
     `complete` off, real vehicles that are silent are no reason to stop: the others can still be
-    called home. Raises RosterError, LinkError, SigningError.
+    called home. Links without a plan are those of `uavs`. Raises RosterError, LinkError,
+    SigningError.
     """
-    uavs = () if plan is None else tuple(uav.id for uav in plan.uavs)
+    uavs = uavs if plan is None else tuple(uav.id for uav in plan.uavs)
     roster = parse_vehicles(vehicles, uavs)
     if roster is None:
         if key_file is not None:
@@ -53,7 +55,7 @@ def open_fleet(
         if complete:
             link.wait_heard(LINK_WAIT_S)
         else:
-            with suppress(RosterError):
+            with suppress(RosterError, SigningError):
                 link.wait_heard(LINK_WAIT_S / 6)
         yield link
 

@@ -18,6 +18,8 @@ FLIGHT_STATE_NAME = "flight_state.json"
 # What the bridge keeps beside that of a flight on streamed curves.
 GUIDED_NAMES = ("guided_flight.json", "guided_curves.json")
 JOB_NAME = "flight_job.json"
+PARAMETERS_NAME = "parameters.json"
+PREFLIGHT_NAME = "preflight.json"
 BAG_NAME = "bag"
 TLOGS = "tlogs"
 RECORDER = "recorder"
@@ -123,6 +125,8 @@ def graph_table(options: GraphOptions) -> list[NodeRow]:
             "plan_file": options.plan,
             "log_directory": kept / TLOGS,
             "state_file": kept / FLIGHT_STATE_NAME,
+            "parameters_file": kept / PARAMETERS_NAME,
+            "preflight_file": kept / PREFLIGHT_NAME,
         }
     return [
         NodeRow(name, {"use_sim_time": options.sim_time, **values, **_chosen(name, options)})

@@ -9,9 +9,18 @@ from typing import Any, Protocol, TypeVar
 from jfto_mavlink.errors import FlightError, RosterError
 from jfto_mavlink.fleet.roster import Roster
 from jfto_mavlink.flight.control import StartLine, return_home, start, unless_called_off
-from jfto_mavlink.flight.preflight import GateSettings, gate
 from jfto_mavlink.mission.build import VehicleMission
+from jfto_mavlink.mission.changed import (
+    ChangedParameters,
+    apply_parameters,
+    restore_parameters,
+)
 from jfto_mavlink.mission.deliver import Delivered, deliver
+from jfto_mavlink.preflight.facts import Surveyed
+from jfto_mavlink.preflight.gate import inspect
+from jfto_mavlink.preflight.judge import judge
+from jfto_mavlink.preflight.page import Preflight
+from jfto_mavlink.preflight.settings import GateSettings
 from jfto_mavlink.protocol.exchange import Context, Exchange, Report
 from jfto_mavlink.protocol.item import Mission
 from jfto_mavlink.protocol.transfer import POLICY, TransferPolicy
@@ -119,33 +128,95 @@ class FlySettings:
 
 @dataclass(frozen=True)
 class Fleet:
-    """Vehicles that can be spoken to, the missions they are to fly, and who is told how it goes."""
+    """Vehicles that can be spoken to, the missions they are to fly, and who is told how it goes.
+
+    `changed` keeps what their parameters were before a flight, `show` is given each page of checks.
+    """
 
     runner: Runner
     missions: Mapping[str, VehicleMission]
     report: Reporter | None = None
+    changed: ChangedParameters = field(default_factory=ChangedParameters)
+    show: Callable[[Preflight], None] = lambda _page: None
 
     def run(self, job: Callable[[Context], Exchange[T]]) -> dict[str, T | Exception]:
         """The same conversation with all vehicles at once: result or error of each."""
         return self.runner.run(dict.fromkeys(self.missions, job), self.report)
 
-    def check(self, gate: Callable[[Context], Exchange[tuple[str, ...]]]) -> None:
-        """Hold every vehicle at a gate; raises FlightError 601 with all that speaks against it."""
-        found: list[str] = []
-        for result in self.run(gate).values():
-            found += [str(result)] if isinstance(result, Exception) else result
-        if found:
-            raise FlightError(601, "No vehicle is armed. " + "; ".join(found) + ".")
+
+def preflight(
+    fleet: Fleet, settings: GateSettings, release: Release | None = None, *, wait: bool = True
+) -> Preflight:
+    """Ask all vehicles, hold what they say against their missions; changes nothing.
+
+    With `wait` they may take their time to become ready; with `release` the missions on board are
+    read back.
+    """
+
+    def job(context: Context) -> Exchange[Surveyed]:
+        released = None if release is None else release.missions[context.uav]
+        return inspect(context, fleet.missions[context.uav], settings, wait=wait, released=released)
+
+    found: dict[str, Surveyed | Exception] = dict(fleet.run(job))
+    # Who answers under one system id may have come out meanwhile.
+    for uav, result in fleet.run(_nothing).items():
+        if isinstance(result, Exception):
+            found[uav] = result
+    page = judge(fleet.missions, found, settings)
+    fleet.show(page)
+    return page
 
 
-def check_fleet(fleet: Fleet, release: Release, settings: GateSettings) -> None:
-    """Hold every vehicle at the gate; raises FlightError 601 with all that speaks against it."""
+def _nothing(_context: Context) -> Exchange[None]:
+    return
+    yield
 
-    def job(context: Context) -> Exchange[tuple[str, ...]]:
-        home = fleet.missions[context.uav].home_deg_m[:2]
-        return gate(context, release.missions[context.uav], home, settings)
 
-    fleet.check(job)
+def check_upload(fleet: Fleet, settings: GateSettings) -> None:
+    """Refuse what the vehicles would meet in flight, before any of it is sent; FlightError 601."""
+    stops = preflight(fleet, settings, wait=False).stops(uploading=True)
+    if stops:
+        raise FlightError(601, f"Nothing is uploaded. {' '.join(_sentence(s) for s in stops)}")
+
+
+def check_fleet(fleet: Fleet, release: Release | None, settings: GateSettings) -> None:
+    """Hold every vehicle at the gate; raises FlightError 601 with all that speaks against it.
+
+    Missions on board are compared where there is a release.
+    """
+    stops = preflight(fleet, settings, release).stops()
+    if stops:
+        raise FlightError(601, f"No vehicle is armed. {' '.join(_sentence(s) for s in stops)}")
+
+
+def _sentence(text: str) -> str:
+    return text if text.endswith((".", '"')) else f"{text}."
+
+
+def set_parameters(fleet: Fleet) -> None:
+    """Set what the missions rely on; raises FlightError 601 where one does not take it."""
+    results = fleet.run(
+        lambda context: apply_parameters(
+            context, fleet.missions[context.uav].mission.parameters, fleet.changed
+        )
+    )
+    failed = [str(result) for result in results.values() if isinstance(result, Exception)]
+    if failed:
+        raise FlightError(601, " ".join(["No vehicle is armed.", *failed]))
+
+
+def restore_fleet(fleet: Fleet) -> list[str]:
+    """Put back what was set for a flight, on all vehicles that are down; returns what failed."""
+    chosen = [
+        uav
+        for uav in fleet.changed.vehicles
+        if uav in fleet.missions and not fleet.runner.vehicle(uav).armed
+    ]
+    results = fleet.runner.run(
+        dict.fromkeys(chosen, lambda context: restore_parameters(context, fleet.changed)),
+        fleet.report,
+    )
+    return [str(result) for result in results.values() if isinstance(result, Exception)]
 
 
 def start_fleet(
@@ -185,6 +256,7 @@ def _checked_line(fleet: Fleet, release: Release, settings: FlySettings) -> Star
     if stale or set(release.digests) != set(missions):
         raise FlightError(602, f"{', '.join(stale) or 'the fleet'}: not the released mission.")
     check_fleet(fleet, release, settings.gate)
+    set_parameters(fleet)
     begin_s = fleet.runner.clock() + PREPARE_S
     if settings.start_at_s is not None:
         if settings.start_at_s < begin_s:

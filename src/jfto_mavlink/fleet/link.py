@@ -13,16 +13,18 @@ import time
 from collections import deque
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
+from functools import partial
 from types import TracebackType
 from typing import TypeVar
 
 from jfto_mavlink.dialect import Message
-from jfto_mavlink.errors import LinkError, RosterError
+from jfto_mavlink.errors import LinkError, MavlinkError, RosterError, SigningError
 from jfto_mavlink.files.tlog import TlogWriter
 from jfto_mavlink.fleet.roster import Roster
 from jfto_mavlink.fleet.station import GroundStation, StationSettings
 from jfto_mavlink.flight.telemetry import LOST_AFTER_S
 from jfto_mavlink.io.address import LinkAddress
+from jfto_mavlink.io.framing import Frame
 from jfto_mavlink.io.port import Port
 from jfto_mavlink.io.transport import Peer
 from jfto_mavlink.protocol.exchange import Activity, Context, Exchange, Report
@@ -32,6 +34,8 @@ from jfto_msgs_py.records.event import WARN, Event
 
 # Longest sleep between two looks at clocks, in wall seconds.
 LOOP_S = 0.05
+# By then another vehicle under the same system id has sent two heartbeats and been asked.
+ALONE_S = 2.5
 T = TypeVar("T")
 
 
@@ -67,7 +71,8 @@ class FleetLink:
         self._stopping = False
         try:
             for index, link in enumerate(roster.links):
-                self._ports[link] = Port(link, settings.id, index, settings.signer)
+                refused = partial(self._refused, link)
+                self._ports[link] = Port(link, settings.id, index, settings.signer, refused=refused)
             if settings.log_directory is not None:
                 for uav in roster.uavs:
                     self._logs[uav] = TlogWriter(settings.log_directory / f"{uav}.tlog")
@@ -135,7 +140,7 @@ class FleetLink:
                 activity = self.station.submit(
                     uav, job, lambda r: report(uav, r) if report is not None else None
                 )
-            except RosterError as error:
+            except MavlinkError as error:
                 future.set_exception(error)
                 return
             self._running[future] = activity  # type: ignore[index]
@@ -166,18 +171,24 @@ class FleetLink:
         return results
 
     def wait_heard(self, timeout_s: float) -> None:
-        """Wait until each vehicle has been heard and has told who it is.
+        """Wait until each vehicle has told who it is, and a second one under its id would have.
 
-        `timeout_s` is on `clock`. Raises RosterError that names all missing vehicles.
+        `timeout_s` is on `clock`. Raises RosterError that names all missing vehicles, SigningError
+        702 where their frames arrive.
         """
         until_s = self.clock() + timeout_s
         done = threading.Event()
         while not done.wait(0.02):
             self._raise_failure()
-            missing = [u for u, t in self.station.tracks.items() if not t.identity.known]
-            if not missing:
+            now_s, found = self.clock(), {u: t.identity for u, t in self.station.tracks.items()}
+            missing = [uav for uav, identity in found.items() if not identity.known]
+            fresh = [u for u, one in found.items() if now_s - (one.heard_s or now_s) < ALONE_S]
+            if not missing and not fresh:
                 break
-            if self.clock() >= until_s:
+            troubles = [found[uav].signing_trouble(now_s) for uav in missing]
+            if missing and (all(troubles) or (any(troubles) and now_s >= until_s)):
+                raise SigningError(702, " ".join(filter(None, troubles)))
+            if missing and now_s >= until_s:
                 heard = sorted({system for _, system in self.station.foreign})
                 others = f" Heard instead: system ids {heard}." if heard else ""
                 raise RosterError(
@@ -185,6 +196,9 @@ class FleetLink:
                 )
         for uav in self.roster.uavs:
             self.station.check_identity(uav)
+
+    def _refused(self, link: LinkAddress, frame: Frame, why: str) -> None:
+        self.station.refused(link, frame, why)
 
     def _call(self, call: Callable[[], None]) -> None:
         self._raise_failure()

@@ -17,19 +17,22 @@ from jfto_mavlink.fleet.fly import (
     FlySettings,
     Release,
     check_fleet,
+    check_upload,
     deliver_to_fleet,
+    restore_fleet,
     start_fleet,
 )
 from jfto_mavlink.flight.control import StartLine, disarm, land, pause, resume, return_home
 from jfto_mavlink.flight.follow import Progressed
-from jfto_mavlink.flight.preflight import GateSettings
 from jfto_mavlink.mission.deliver import verify
+from jfto_mavlink.preflight.settings import GateSettings
 from jfto_mavlink.protocol.exchange import Context, Exchange, wait_until
 from jfto_mavlink.protocol.vehicle_state import VehicleState
 from jfto_msgs_py.records.vehicle import TimedTrajectory
 
 # After this long the heartbeat shows whether a start under way has armed a vehicle.
 SETTLE_S = 1.5
+RESTORE_WAIT_S = 30.0
 # Whoever is on the way home or down was sent there for a reason.
 LEAVING = (MODES["RTL"], MODES["LAND"], MODES["SMART_RTL"])
 
@@ -65,9 +68,13 @@ class FleetOrders:
         self._doing = ""
 
     def upload(self) -> str:
-        """Upload, read back and compare all missions; all or none are released."""
+        """Hold the missions against the vehicles; upload, read back and compare all of them.
+
+        All or none are released.
+        """
         with self._order("upload"):
             self._release = None
+            check_upload(self.fleet, self.settings.gate)
             sent = {uav: mission.mission for uav, mission in self.missions.items()}
             self._release = deliver_to_fleet(self.fleet.runner, sent, self.fleet.report).release()
             hashes = ", ".join(f"{u} {d[:12]}" for u, d in self._release.digests.items())
@@ -136,6 +143,24 @@ class FleetOrders:
 
         return _told(self.fleet.run(job), str)
 
+    def restore(self) -> str:
+        """Put back the parameters that were set for a flight, on all vehicles that are down.
+
+        What is left to put back stays on record. Raises FlightError 603 where one did not obey.
+        """
+        with self._order("restore"):
+            had = tuple(self.fleet.changed.vehicles)
+            failed = restore_fleet(self.fleet)
+            if failed:
+                raise FlightError(603, " ".join(["Parameters are not all put back:", *failed]))
+            done = [uav for uav in had if uav not in self.fleet.changed.vehicles]
+            return f"Parameters are as before the flight: {', '.join(done) or 'none were changed'}."
+
+    @property
+    def busy(self) -> bool:
+        """Whether an order is being carried out."""
+        return self._busy.locked()
+
     def close(self) -> None:
         """Nothing to end: missions are flown by the vehicles themselves."""
 
@@ -194,7 +219,8 @@ class FleetOrders:
 
     @contextmanager
     def _order(self, verb: str) -> Iterator[None]:
-        if not self._busy.acquire(blocking=False):
+        # Parameters are put back by nobody's order: whoever gives one waits for that.
+        if not self._busy.acquire(timeout=RESTORE_WAIT_S if self._doing == "restore" else 0.0):
             raise FlightError(605, f"{verb}: {self._doing} is under way; abort or wait.")
         self._doing = verb
         try:
@@ -212,6 +238,10 @@ class FleetOrders:
             self._aborted, self._starting, self._line = False, True, None
             try:
                 yield
+            except Exception:
+                # Whoever is in the air has its parameters back once it is down.
+                restore_fleet(self.fleet)
+                raise
             finally:
                 self._starting, self._line = False, None
 

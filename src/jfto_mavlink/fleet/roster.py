@@ -147,6 +147,8 @@ def _parse_entry(text: str) -> RosterEntry:
 
 # A sender silent for this long has moved or gone.
 PEER_SILENT_S = 3.0
+# Frames that do not lead to an answer for this long are a matter of keys.
+SIGNING_S = 5.0
 # Senders remembered per vehicle; more than a few are forgeries.
 PEERS_MAX = 8
 
@@ -163,7 +165,8 @@ class Identity:
 
     Frames count only from `peer`, the sender believed. A second sender is believed once it reports
     the same uid (the vehicle has a new port after a restart), or once the first has fallen silent.
-    With another uid it is a second vehicle: `conflict` says so and stays.
+    With another uid it is a second vehicle: `conflict` says so and stays. `signing` says what is
+    wrong with its signatures, or ours, since `signing_s`; `heard_s` is when it was heard first.
     """
 
     uav: str
@@ -172,6 +175,9 @@ class Identity:
     peer: Peer = None
     conflict: str = ""
     wrong_vehicle: str = ""
+    signing: str = ""
+    signing_s: float = 0.0
+    heard_s: float | None = None
     _senders: dict[Peer, _Sender] = field(default_factory=dict)
 
     @property
@@ -179,6 +185,17 @@ class Identity:
         """Whether the sender believed has told its uid."""
         sender = self._senders.get(self.peer)
         return sender is not None and sender.uid is not None
+
+    def signing_trouble(self, now_s: float) -> str:
+        """What keeps a vehicle whose frames arrive from being spoken with, "" if nothing does."""
+        lasting = self.signing and now_s - self.signing_s > SIGNING_S
+        return f"{self.uav}: {self.signing}." if lasting and not self.known else ""
+
+    def note_signing(self, trouble: str, now_s: float) -> None:
+        """Take note of a frame that is not believed, or that is signed where we have no key."""
+        if not self.signing:
+            self.signing_s = now_s
+        self.signing = trouble
 
     def unknown_peers(self) -> tuple[Peer, ...]:
         """Senders that have not told their uid yet."""
@@ -193,6 +210,7 @@ class Identity:
                 return False
             sender = self._senders[peer] = _Sender(now_s)
         sender.heard_s = now_s
+        self.heard_s = now_s if self.heard_s is None else self.heard_s
         if not self._alive(self.peer, now_s):
             self.peer = peer
         return peer == self.peer

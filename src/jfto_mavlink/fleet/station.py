@@ -11,15 +11,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from jfto_mavlink.dialect import Message, mavlink
-from jfto_mavlink.errors import RosterError
+from jfto_mavlink.errors import RosterError, SigningError
 from jfto_mavlink.fleet.roster import Identity, Roster, RosterEntry
 from jfto_mavlink.io.address import LinkAddress
 from jfto_mavlink.io.framing import Frame
 from jfto_mavlink.io.port import Station
-from jfto_mavlink.io.signing import Signer
+from jfto_mavlink.io.signing import NO_KEY, Signer
 from jfto_mavlink.io.transport import Peer
 from jfto_mavlink.protocol.exchange import Activity, Context, Exchange, Report
-from jfto_mavlink.protocol.setup import DEFAULT_RATES, greet, missing_streams
+from jfto_mavlink.protocol.setup import DEFAULT_RATES, ask_version, greet, missing_streams
 from jfto_mavlink.protocol.timesync import Clock
 from jfto_mavlink.protocol.vehicle_state import VehicleState, uid_text
 
@@ -28,6 +28,7 @@ TIMESYNC_EVERY_S = 1.0
 # Without heartbeats for this long nothing is asked for.
 SILENT_S = 3.0
 ASK_AGAIN_S = 5.0
+ASK_STRANGER_S = 1.0
 # A look at the links is late after this long: a busy computer, or one that slept.
 DEAF_AFTER_S = 1.0
 FOREIGN_KEPT = 256
@@ -51,6 +52,7 @@ class Track:
     greeting: Activity[object] | None = None
     greeted_boot: int = -1
     greeted_s: float = float("-inf")
+    stranger_s: float = float("-inf")
 
 
 @dataclass(frozen=True)
@@ -85,6 +87,7 @@ class GroundStation:
         self._clock = clock
         self._unix = unix
         self._rates = settings.rates
+        self._signs = settings.signer is not None
         self._log = log or (lambda _uav, _raw: None)
         self._heartbeat_s = self._timesync_s = self._looked_s = float("-inf")
         self.tracks = {entry.uav: self._track(entry) for entry in roster.entries}
@@ -117,12 +120,24 @@ class GroundStation:
         return activity
 
     def check_identity(self, uav: str) -> None:
-        """Raise RosterError if a vehicle is not, or not alone, who the roster says."""
+        """Raise RosterError if a vehicle is not, or not alone, who the roster says.
+
+        SigningError 702 if its frames arrive, and their signatures keep us from speaking with it.
+        """
         identity = self._named(uav).identity
         if identity.conflict:
             raise RosterError(204, identity.conflict)
         if identity.wrong_vehicle:
             raise RosterError(203, identity.wrong_vehicle)
+        trouble = identity.signing_trouble(self._clock())
+        if trouble:
+            raise SigningError(702, trouble)
+
+    def refused(self, link: LinkAddress, frame: Frame, why: str) -> None:
+        """Take note of a frame that is not believed for its signature."""
+        entry = self.roster.find(link, frame.system)
+        if entry is not None:
+            self.tracks[entry.uav].identity.note_signing(why, self._clock())
 
     def handle(self, link: LinkAddress, peer: Peer, frame: Frame) -> None:
         """Take in one frame."""
@@ -134,6 +149,8 @@ class GroundStation:
         self._forgive(now_s)
         if frame.component != track.context.compid:
             return
+        if frame.signed and not self._signs:
+            track.identity.note_signing(NO_KEY, now_s)
         believed = track.identity.heard(peer, now_s)
         if message.get_type() == "AUTOPILOT_VERSION":
             track.identity.version(peer, uid_text(message))
@@ -222,14 +239,28 @@ class GroundStation:
         elif track.vehicle.time_sync.answer(message.ts1, message.tc1, now_ns):
             track.vehicle.booted()
 
+    def _ask_strangers(self, track: Track, now_s: float) -> None:
+        """Ask who they are those that have not said so.
+
+        A greeting that meets a deaf vehicle takes long to end, and a second vehicle under one
+        system id must be found before anybody is written to.
+        """
+        unknown = track.identity.unknown_peers()
+        if now_s - track.greeted_s <= ASK_AGAIN_S:
+            unknown = tuple(peer for peer in unknown if peer != track.identity.peer)
+        if not unknown or now_s - track.stranger_s <= ASK_STRANGER_S:
+            return
+        track.stranger_s = now_s
+        if track.identity.peer in unknown:
+            track.greeted_s = now_s
+        for peer in unknown:
+            self._transmit(track.entry.link, peer, ask_version(track.context))
+
     def _keep_greeted(self, track: Track, now_s: float) -> None:
         """Ask for identity and streams after contact, after a reboot, and when streams stop."""
         vehicle = track.vehicle
-        # A greeting that meets a deaf vehicle takes long to end; who it is must not wait for that.
-        if now_s - track.greeted_s > ASK_AGAIN_S and track.greeted_boot >= 0:
-            for peer in track.identity.unknown_peers():
-                track.greeted_s = now_s
-                self._transmit(track.entry.link, peer, _ask_version(track.context))
+        if track.greeted_boot >= 0:
+            self._ask_strangers(track, now_s)
         if track.greeting is not None and not track.greeting.done:
             if track.greeted_boot == vehicle.reboots:
                 return
@@ -250,13 +281,3 @@ class GroundStation:
             lambda _report: None,
         )
         track.activities.append(track.greeting)
-
-
-def _ask_version(context: Context) -> Message:
-    return mavlink.MAVLink_command_long_message(
-        *context.target,
-        mavlink.MAV_CMD_REQUEST_MESSAGE,
-        0,
-        mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION,
-        *([0] * 6),
-    )

@@ -20,6 +20,7 @@ from jfto_mavlink.fleet.monitor import FlightMonitor, FlightState
 from jfto_mavlink.flight.follow import Moment, UnderWay
 from jfto_mavlink.flight.telemetry import LinkState
 from jfto_mavlink.mission.build import VehicleMission
+from jfto_mavlink.mission.changed import compare_parameters
 from jfto_mavlink.mission.deliver import verify
 from jfto_mavlink.protocol.exchange import Context, Exchange, wait_for
 from jfto_mavlink.protocol.item import Mission
@@ -76,6 +77,7 @@ def recognise(context: Context, mission: Mission, heard_wait_s: float) -> Exchan
         return Recognised(uav, heard=True)
     try:
         differing = yield from verify(context, mission)
+        differing += yield from compare_parameters(context, mission.parameters)
     except MavlinkError as error:
         differing = (str(error),)
     return Recognised(uav, True, vehicle.mode_name, differing[0] if differing else "")
@@ -143,6 +145,13 @@ class WatchedFlight:
         if begun_ns is None:
             return None
         return lambda context: self._time.own_s(context, begun_ns)
+
+    @property
+    def down(self) -> bool:
+        """Whether the flight is over, or there was none when this program began."""
+        return self.monitor.over or (
+            self._told and not self._flies and not any(self.monitor.flying)
+        )
 
     def take(self, state: LinkState) -> None:
         """Tell what a vehicle's state brings, and keep it."""

@@ -11,7 +11,13 @@ import numpy as np
 
 from jfto_mavlink.dialect import MODES
 from jfto_mavlink.errors import FlightError
-from jfto_mavlink.fleet.fly import PREPARE_S, Fleet, check_fleet, start_together
+from jfto_mavlink.fleet.fly import (
+    PREPARE_S,
+    Fleet,
+    check_fleet,
+    set_parameters,
+    start_together,
+)
 from jfto_mavlink.fleet.orders import FleetOrders, OrderSettings, in_flight
 from jfto_mavlink.flight.control import StartLine, return_home
 from jfto_mavlink.flight.follow import Progressed
@@ -117,6 +123,7 @@ class GuidedOrders(FleetOrders):
             self._check_near({uav: np.array(each.start_m) for uav, each in self._uavs.items()})
             release = self._release or self._read_back()
             check_fleet(self.fleet, release, self.settings.gate)
+            set_parameters(self.fleet)
             self._flight = None
             line = StartLine(dict.fromkeys(self.missions, self.fleet.runner.clock() + PREPARE_S))
             self._begun(line)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from jfto_mavlink.dialect import Message, mavlink
@@ -39,6 +40,7 @@ class Port:
     """A link that speaks MAVLink. `index` is its link id in signatures.
 
     `transport` replaces the one that the address names, for links that exist in memory only.
+    `refused` is told of each frame that is not believed, and why.
     """
 
     def __init__(
@@ -48,12 +50,14 @@ class Port:
         index: int,
         signer: Signer | None = None,
         transport: Transport | None = None,
+        refused: Callable[[Frame, str], None] = lambda _frame, _why: None,
     ) -> None:
         self.address = address
         self.signer = signer
         self.counters = PortCounters()
         self.transport = transport or open_transport(address)
         self._index = index
+        self._refused = refused
         self._codec = mavlink.MAVLink(None, station.system, station.component)
         self._framers: OrderedDict[Peer, Framer] = OrderedDict()
         self._last_sequence: dict[tuple[int, int], int] = {}
@@ -64,8 +68,10 @@ class Port:
         for peer, data in self.transport.receive():
             self.counters.bytes_in += len(data)
             for frame in self._framer(peer).feed(data):
-                if self.signer is not None and not self.signer.accepts(frame):
+                refusal = "" if self.signer is None else self.signer.refusal(frame)
+                if refusal:
                     self.counters.refused_signature += 1
+                    self._refused(frame, refusal)
                     continue
                 self._count(frame)
                 frames.append((peer, frame))

@@ -28,6 +28,11 @@ KEY_LENGTH = 32
 UNSIGNED_ALLOWED = frozenset((mavlink.MAVLINK_MSG_ID_RADIO_STATUS, mavlink.MAVLINK_MSG_ID_RADIO))
 
 Stream = tuple[int, int, int]
+# Why a frame is not believed, and the cure.
+UNSIGNED = "does not sign its frames. Give it the key over a cable: jfto mission sign"
+WRONG_KEY = "signs with another key than this station. Give both the same: jfto mission sign"
+REPLAYED = "signs with time stamps of the past. Set its clock and this computer's"
+NO_KEY = "signs its frames and answers none that are unsigned. Give the key: --key, or key_file"
 
 
 def ticks(unix_s: float) -> int:
@@ -89,26 +94,30 @@ class Signer:
 
     def accepts(self, frame: Frame) -> bool:
         """Whether a received frame may be believed; counts it either way."""
+        return not self.refusal(frame)
+
+    def refusal(self, frame: Frame) -> str:
+        """Why a received frame is not to be believed, "" if it is; counts it either way."""
         if not frame.signed:
             if frame.message.get_msgId() in UNSIGNED_ALLOWED:
-                return True
+                return ""
             self.counters.unsigned += 1
-            return False
+            return UNSIGNED
         raw = frame.raw
         if hashlib.sha256(self.key + raw[:-6]).digest()[:6] != raw[-6:]:
             self.counters.wrong += 1
-            return False
+            return WRONG_KEY
         stamp = int.from_bytes(raw[-12:-6], "little")
         stream = (raw[-13], frame.system, frame.component)
         last = self._streams.get(stream)
         oldest = self.floor - NEW_STREAM_LAG if last is None else last + 1
         if stamp < oldest:
             self.counters.replayed += 1
-            return False
+            return REPLAYED
         self._streams[stream] = stamp
         self.floor = max(self.floor, stamp)
         self.counters.good += 1
-        return True
+        return ""
 
 
 def create_key(path: Path, passphrase: str | None = None) -> None:

@@ -38,7 +38,9 @@ SPEED_GROUND, SPEED_CLIMB, SPEED_DESCENT = 1.0, 2.0, 3.0
 class VehicleMission:
     """One vehicle's mission and what is needed to follow it.
 
-    `waypoints_deg_m` holds latitude, longitude and height above home of each route waypoint.
+    `waypoints_deg_m` holds latitude, longitude and height above home of each route waypoint,
+    `pad_m` the pad (ENU), `speeds_mps` the plan's level, climb and descent, `ends_s` when its way
+    home begins and `landed_s` when it is planned to be down, 0 if it is not, s from lift-off.
     """
 
     uav: str
@@ -48,6 +50,10 @@ class VehicleMission:
     waypoints_deg_m: tuple[tuple[float, float, float], ...]
     arrival_s: tuple[float, ...]
     home_deg_m: tuple[float, float, float]
+    pad_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    speeds_mps: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    ends_s: float = 0.0
+    landed_s: float = 0.0
 
     @property
     def digest(self) -> str:
@@ -83,7 +89,9 @@ def build_missions(
         if returns:
             parameters += (("RTL_ALT", 100.0 * returns[index]),)
         alike = replace(shared, parameters=parameters)
-        missions.append(_build_one(index, waypoints, plan, settings, ground, alike))
+        built = _build_one(index, waypoints, plan, settings, ground, alike)
+        landed_s = plan.homes[index].landed_s if plan.homes else 0.0
+        missions.append(replace(built, landed_s=landed_s))
     return tuple(missions)
 
 
@@ -135,6 +143,9 @@ def _build_one(
         tuple(places[1:]),
         route.arrival_s,
         (places[0][0], places[0][1], home_alt_m),
+        uav.start_m,
+        (uav.speed_mps, uav.climb_mps, uav.descent_mps),
+        max(route.end_s, plan.slots.horizon_s if settings.relay_until_end else 0.0),
     )
 
 

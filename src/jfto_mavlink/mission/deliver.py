@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from jfto_mavlink.dialect import MODES, mavlink
-from jfto_mavlink.errors import CommandError, TransferError
+from jfto_mavlink.errors import TransferError
 from jfto_mavlink.mission.stored import differences, mission_hash
 from jfto_mavlink.protocol.exchange import Context, Exchange, Report, Send, Wait
 from jfto_mavlink.protocol.item import FENCE, MISSION, RALLY, TYPE_NAMES, Item, Mission
-from jfto_mavlink.protocol.parameter import equal, read_parameter, set_parameter
 from jfto_mavlink.protocol.transfer import (
     ACCEPTED,
     BUSY,
@@ -41,7 +40,7 @@ class Delivered:
 def deliver(
     context: Context, mission: Mission, policy: TransferPolicy = POLICY
 ) -> Exchange[Delivered]:
-    """Send mission, fence, rally points and parameters, read each back and compare.
+    """Send mission, fence and rally points, read each back and compare; no parameter is touched.
 
     On the ground a refused mission is cleared, so that nothing half-new can be started. In flight
     the one on board before is put back. Raises TransferError whose `state` says which, and 405 in
@@ -58,9 +57,7 @@ def deliver(
     try:
         for mission_type in _carried(mission):
             yield from _deliver_type(context, mission.of_type(mission_type), mission_type, policy)
-        for name, value in mission.parameters:
-            yield from set_parameter(context, name, value)
-    except (TransferError, CommandError) as error:
+    except TransferError as error:
         if error.code == 402:
             # Not ours to clear.
             state = "What the vehicle holds is the other station's."
@@ -73,15 +70,14 @@ def deliver(
 def verify(
     context: Context, mission: Mission, policy: TransferPolicy = POLICY
 ) -> Exchange[tuple[str, ...]]:
-    """Differences between a mission and what the vehicle holds, in words; empty if none."""
+    """Differences between a mission and what the vehicle holds, in words; empty if none.
+
+    Parameters are not compared: they are set when a flight begins.
+    """
     found: list[str] = []
     for mission_type in _carried(mission):
         held = yield from download(context, mission_type, policy)
         found += differences(mission.of_type(mission_type), held, mission_type)
-    for name, value in mission.parameters:
-        held_value = yield from read_parameter(context, name)
-        if not equal(held_value, value):
-            found.append(f"{name}: sent {value:g}, on board {held_value:g}")
     return tuple(found)
 
 
@@ -162,5 +158,5 @@ def _tidy_up(
     return "Its mission is cleared."
 
 
-def _without_code(error: TransferError | CommandError) -> str:
+def _without_code(error: TransferError) -> str:
     return str(error).rsplit(" [MAV-", 1)[0]

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from jfto_mavlink.dialect import mavlink
+from jfto_mavlink.dialect import Message, mavlink
 from jfto_mavlink.errors import CommandError, SigningError
 from jfto_mavlink.io.framing import Frame
 from jfto_mavlink.io.signing import Signer
@@ -79,6 +79,14 @@ def greet(context: Context, rates: Mapping[int, float]) -> Exchange[None]:
             )
         except CommandError as error:
             yield Report(str(error))
+
+
+def ask_version(context: Context) -> Message:
+    """The question who a vehicle is, which AUTOPILOT_VERSION answers."""
+    version = mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION
+    return mavlink.MAVLink_command_long_message(
+        *context.target, mavlink.MAV_CMD_REQUEST_MESSAGE, 0, version, *([0] * 6)
+    )
 
 
 def _ask(context: Context, message_id: int) -> Exchange[None]:

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from jfto_mavlink.dialect import Message, mavlink, mode_name
+from jfto_mavlink.io.framing import MAGIC_V2, SIGNED
 from jfto_mavlink.protocol.timesync import TimeSync
 
 TEXTS_KEPT = 200
@@ -41,7 +42,8 @@ class VehicleState:
     """State of one vehicle. Times are those of the clock given to `update`.
 
     `seen_s` is when each message id was last heard, `utc_at_boot_us` what the vehicle takes for UTC
-    at the zero of its own clock.
+    at the zero of its own clock. `newer_names` says that its parameters have the names and units of
+    ArduCopter 4.7, `signed` that its last heartbeat was. `wind_mps` is None while it has told none.
     """
 
     uav: str
@@ -66,6 +68,9 @@ class VehicleState:
     ekf_flags: int | None = None
     battery_v: float | None = None
     battery_percent: int | None = None
+    wind_mps: float | None = None
+    newer_names: bool = False
+    signed: bool = False
     sensors_enabled: int = 0
     sensors_health: int | None = None
     mission_current: int | None = None
@@ -163,6 +168,8 @@ def _heartbeat(vehicle: VehicleState, message: Message, now_s: float) -> None:
     vehicle.mode = message.custom_mode
     vehicle.armed = bool(message.base_mode & mavlink.MAV_MODE_FLAG_SAFETY_ARMED)
     vehicle.system_status = message.system_status
+    frame = message.get_msgbuf()
+    vehicle.signed = bool(frame and frame[0] == MAGIC_V2 and frame[2] & SIGNED)
 
 
 def _position(vehicle: VehicleState, message: Message, now_s: float) -> None:
@@ -199,6 +206,10 @@ def _sys_status(vehicle: VehicleState, message: Message, _: float) -> None:
     vehicle.battery_v = message.voltage_battery / 1000 if known else None
     known = message.battery_remaining >= 0
     vehicle.battery_percent = message.battery_remaining if known else None
+
+
+def _wind(vehicle: VehicleState, message: Message, _: float) -> None:
+    vehicle.wind_mps = message.speed
 
 
 def _mission_current(vehicle: VehicleState, message: Message, _: float) -> None:
@@ -251,6 +262,7 @@ _HANDLERS: dict[str, Callable[[VehicleState, Message, float], None]] = {
     "GPS_RAW_INT": _gps,
     "EKF_STATUS_REPORT": _ekf,
     "SYS_STATUS": _sys_status,
+    "WIND": _wind,
     "MISSION_CURRENT": _mission_current,
     "EXTENDED_SYS_STATE": _extended_state,
     "HOME_POSITION": _home,

@@ -41,6 +41,7 @@ KINDS = {
     "mode": "a vehicle changed its flight mode, which nobody ordered here",
     "fence": "a vehicle left its fence",
     "failsafe": "another failsafe of a vehicle acted",
+    "parameters": "parameters of vehicles were put back after a flight, or were not",
     "done": "a UAV has passed all its waypoints",
     "unvisited": "a UAV has left its mission, and waypoints with it",
     "landed": "a UAV, or the fleet, is down and disarmed",

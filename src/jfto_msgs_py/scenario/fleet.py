@@ -53,6 +53,23 @@ class FleetPart:
     descent_mps: tuple[float, ...] = param(
         (3.0,), "Greatest descent speed.", unit="m/s", low=0.1, high=30.0, per_uav=True
     )
+    hover_power_w: tuple[float, ...] = param(
+        (0.0,),
+        "Power that a UAV takes to fly, for the check of its charge before a flight; 0: unknown.",
+        unit="W",
+        low=0.0,
+        high=50_000.0,
+        per_uav=True,
+        hashed=False,
+    )
+    battery_reserve_percent: float = param(
+        20.0,
+        "Share of its battery's capacity that a UAV must have left when it is down again.",
+        unit="%",
+        low=0.0,
+        high=90.0,
+        hashed=False,
+    )
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import pytest
 
 from jfto_mavlink.dialect import MODES, mavlink
 from jfto_mavlink.errors import CommandError, FlightError, TransferError
-from jfto_mavlink.fleet.fly import Fleet, FlySettings, deliver_to_fleet, start_fleet
+from jfto_mavlink.fleet.fly import Fleet, FlySettings, deliver_to_fleet, preflight, start_fleet
 from jfto_mavlink.fleet.monitor import FlightMonitor
 from jfto_mavlink.fleet.orders import FleetOrders, OrderSettings
 from jfto_mavlink.flight.control import (
@@ -24,11 +24,13 @@ from jfto_mavlink.flight.control import (
     start,
 )
 from jfto_mavlink.flight.follow import FlightTiming
-from jfto_mavlink.flight.preflight import GateSettings, gate
 from jfto_mavlink.flight.telemetry import LinkState, listen
 from jfto_mavlink.mission.build import build_missions
 from jfto_mavlink.mission.deliver import deliver
 from jfto_mavlink.mission.settings import MissionSettings
+from jfto_mavlink.preflight.gate import inspect
+from jfto_mavlink.preflight.judge import judge
+from jfto_mavlink.preflight.settings import GateSettings
 from jfto_mavlink.protocol.command import send_command, set_mode
 from jfto_mavlink.protocol.exchange import Wait
 from jfto_msgs_py.records.event import WARN
@@ -387,9 +389,8 @@ def test_the_gate_names_everything_that_is_missing_at_once(plan):
     runner = Rehearsal({"uav1": Vehicle(VehicleConfig())})
     runner.advance(3.0)
     settings = GateSettings(wait_s=1.0)
-    found = runner.run(
-        {"uav1": lambda context: gate(context, built.mission, built.home_deg_m[:2], settings)}
-    )["uav1"]
+    surveyed = runner.run({"uav1": lambda context: inspect(context, built, settings)})
+    found = judge({"uav1": built}, surveyed, settings).stops()
     assert any("GPS fix" in text for text in found)
     assert any("position estimate" in text for text in found)
     assert all(text.startswith("uav1: ") for text in found)
@@ -399,7 +400,10 @@ def test_a_vehicle_on_the_wrong_pad_is_refused(plan):
     """Swapped vehicles would cross each other's routes."""
     field = Field(plan)
     settings = GateSettings(wait_s=1.0)
-    home = field.missions["uav2"].home_deg_m[:2]
-    mission = field.missions["uav1"].mission
-    found = field.do("uav1", lambda context: gate(context, mission, home, settings))
-    assert found == ("uav1: stands 20 m from its planned pad",)
+    first, second = field.missions.values()
+    field.missions = {"uav1": dataclasses.replace(first, home_deg_m=second.home_deg_m)}
+    page = preflight(field.fleet, settings, wait=False)
+    found = page.vehicles[0].of("pad")
+    assert [(each.level, each.text) for each in found] == [
+        ("red", "stands 20 m from its planned pad, at most 15.0 m")
+    ]

@@ -70,7 +70,7 @@ def test_duplicated_reordered_and_late_frames_do_no_harm():
 
 
 def test_fence_and_rally_points_ride_along():
-    """All three lists and the fence's heights are on board afterwards."""
+    """All three lists are on board afterwards; parameters wait for the start of the flight."""
     sent = dataclasses.replace(
         mission(),
         fence=fence_items(Fence(circles=(Circle((47.3977, 8.5456), 300.0),))),
@@ -82,7 +82,7 @@ def test_fence_and_rally_points_ride_along():
     assert deliver_to_fleet(runner, {"uav1": sent}).release()
     store = runner.vehicles["uav1"].store
     assert [store.count(kind) for kind in (0, 1, 2)] == [20, 1, 1]
-    assert runner.vehicles["uav1"].params["FENCE_ALT_MAX"] == 120.0
+    assert runner.vehicles["uav1"].params["FENCE_ALT_MAX"] == 100.0
     assert deliver_to_fleet(runner, {"uav1": mission(30)}).release()
     assert [store.count(kind) for kind in (0, 1, 2)] == [30, 1, 1], "the fence must stay"
 

@@ -1,0 +1,81 @@
+"""Whether a vehicle is ready now: link, position, its own checks, clock, mission on board, wind."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from jfto_mavlink.preflight.case import Case
+from jfto_mavlink.preflight.facts import Snapshot
+from jfto_mavlink.preflight.page import AMBER, GREEN, RED, Finding
+from jfto_mavlink.preflight.settings import GateSettings
+
+# Beyond what the plan allows for by more than this nobody should start.
+WIND_MORE_MPS = 3.0
+
+
+def unready(now: Snapshot, settings: GateSettings) -> Iterator[Finding]:
+    """What speaks against arming and may be over in a moment."""
+    if now.silent_s > settings.silent_max_s:
+        yield Finding("autopilot", RED, f"no heartbeat for {now.silent_s:.0f} s")
+    if now.armed:
+        yield Finding("autopilot", RED, "is armed already", "Disarm it first.")
+    if (now.gps_fix or 0) < settings.gps_fix_min:
+        text = f"GPS fix is {now.gps_fix}, needs {settings.gps_fix_min}"
+        yield Finding("position", RED, text, "Give it a clear sky and time.")
+    if (now.satellites or 0) < settings.satellites_min:
+        text = f"{now.satellites} satellites, needs {settings.satellites_min}"
+        yield Finding("position", RED, text, "Give it a clear sky and time.")
+    if not now.ekf_ready:
+        yield Finding("position", RED, "position estimate is not ready", "Let it stand still.")
+    if now.fence_breached:
+        yield Finding("autopilot", RED, "is outside its fence")
+    if not now.prearm_ok:
+        texts = " ".join(f'"{text}"' for text in now.prearm_texts)
+        yield Finding("autopilot", RED, texts or "checks of the autopilot do not pass")
+    limit_s, error_s = settings.utc_error_max_s, now.utc_error_s
+    if limit_s is not None and (error_s is None or abs(error_s) > limit_s):
+        clock = "unknown" if error_s is None else f"{error_s:+.2f} s off"
+        text = f"its clock is {clock}, a quarter slot is {limit_s:.2f} s"
+        yield Finding("clock", RED, text, "Wait for GPS time, or set this computer's clock.")
+
+
+def ready(case: Case) -> Iterator[Finding]:
+    """The same with what is right: position, the autopilot's checks and the clock."""
+    now = case.now
+    found = tuple(unready(now, case.settings))
+    yield from found
+    topics = {finding.topic for finding in found}
+    if "position" not in topics:
+        text = f"GPS fix {now.gps_fix}, {now.satellites} satellites, position estimate ready"
+        yield Finding("position", GREEN, text)
+    if "autopilot" not in topics:
+        yield Finding("autopilot", GREEN, "disarmed, its own checks pass")
+    if "clock" not in topics:
+        known = now.utc_error_s
+        text = "not compared yet" if known is None else f"{known:+.2f} s off this computer's"
+        loose = "" if case.settings.utc_error_max_s else "; the plan is not held by the clock"
+        yield Finding("clock", GREEN, text + loose)
+
+
+def on_board(case: Case) -> Iterator[Finding]:
+    """Whether the vehicle holds the mission of the plan, where that was read back."""
+    for text in case.aboard.differing:
+        yield Finding("mission", RED, f"mission on board: {text}", "Upload.")
+
+
+def wind(case: Case) -> Iterator[Finding]:
+    """What the vehicle takes for the wind against what the plan leaves room for."""
+    limit, told = case.settings.wind_max_mps, case.now.wind_mps
+    if told is None:
+        yield Finding("wind", AMBER, "it tells no wind", "Measure it by hand.")
+        return
+    if limit is None:
+        yield Finding("wind", GREEN, f"tells {told:.1f} m/s; the plan names no limit")
+        return
+    text = f"tells {told:.1f} m/s, the plan allows for {limit:g} m/s"
+    if told <= limit:
+        yield Finding("wind", GREEN, f"{text} (copters often tell none before they fly)")
+        return
+    level = RED if told > limit + WIND_MORE_MPS else AMBER
+    cure = f"Wait, or plan with trajectory.wind_mps {told:.0f}."
+    yield Finding("wind", level, f"{text}: it will be late and pass wider", cure)
