@@ -181,6 +181,15 @@ TOPICS = (
         "what happened and what was done: kind in `function`, UAV or nothing in `file`",
     ),
     Topic(
+        topics.MISSION_STATE,
+        "diagnostic_msgs/msg/DiagnosticStatus",
+        qos.latched,
+        (_BRIDGE,),
+        ("any",),
+        "what the fleet is at (`phase`), the last order and what came of it (`order`, "
+        "`order_state`, `order_text`), and what went wrong since (`alarm`, level ERROR)",
+    ),
+    Topic(
         topics.LIFT_OFF,
         "builtin_interfaces/msg/Time",
         qos.latched,
@@ -223,6 +232,7 @@ SERVICES = (
                 "hold all that fly their mission",
                 "let all go on that hold",
                 "bring all home, at once and whatever else is under way",
+                "let all land where they are, at once and whatever else is under way",
             ),
             strict=True,
         )
