@@ -93,7 +93,7 @@ def certificate_of(
             delta=scenario.network.delta,
             d_min_m=problem.d_min_m,
             length_max_m=problem.length_max_m,
-            radio=scenario.radio.record(),
+            radio=scenario.radio,
             origin=found.dem.origin,
             scenario_hash=scenario.scenario_hash(),
             seed=0,

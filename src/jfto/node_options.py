@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from jfto_mavlink.options import BridgeOptions
+from jfto_msgs_py.records.fields import param
 from jfto_msgs_py.scenario import Key
-from jfto_msgs_py.scenario.key import param
 from jfto_msgs_py.scenario.options import option_keys
 from jfto_planner.options import PlannerOptions
 from jfto_power.options import PowerOptions, RadioOptions

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from jfto_msgs_py.scenario.key import param
+from jfto_msgs_py.records.fields import param
 
 
 @dataclass(frozen=True)

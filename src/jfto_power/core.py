@@ -224,7 +224,7 @@ def power_core(
     """
     if account is None:
         account = EnergyAccount(energy_budgets(scenario))
-    radio = scenario.radio.record()
+    radio = scenario.radio
     rules = HorizonRules(
         scenario.mission.slot_count, make_channel(radio), radio, options.energy_reserve
     )

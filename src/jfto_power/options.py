@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.scenario.key import param
+from jfto_msgs_py.records.fields import param
 
 DRIVERS = ("log", "sim", "iw")
 

@@ -255,7 +255,7 @@ def topology_core(
     scenario: Scenario, options: TopologyOptions, ahead_s: float = AHEAD_S
 ) -> TopologyCore:
     """The core of a scenario's fleet."""
-    radio, network, mission = scenario.radio.record(), scenario.network, scenario.mission
+    radio, network, mission = scenario.radio, scenario.network, scenario.mission
     p_max_w = dbm_to_w(np.array(scenario.fleet.p_max_dbm))
     links = Links(
         make_channel(radio),

@@ -42,7 +42,7 @@ def lifted_off(directory: Path) -> bool:
 
 @pytest.mark.slow
 def test_a_flight_whose_run_was_killed_is_taken_over(vehicles, tmp_path: Path) -> None:
-    """kill -9 takes the nodes along, vehicles fly on; --resume follows them down and reports."""
+    """Kill -9 takes the nodes along, vehicles fly on; --resume follows them down and reports."""
     planned, directory = tmp_path / "planned", tmp_path / "run"
     subprocess.run(
         [*JFTO, "run", str(SCENE), "--until", "plan", "-o", str(planned)], check=True,

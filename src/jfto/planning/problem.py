@@ -28,7 +28,7 @@ START_SHARE = 0.5
 def routing_problem(scenario: Scenario, found: Survey) -> RoutingProblem:
     """The routing problem of a scenario; raises InfeasibleError where its starts cannot serve."""
     fleet, mission, network = scenario.fleet, scenario.mission, scenario.network
-    radio = scenario.radio.record()
+    radio = scenario.radio
     channel = make_channel(radio)
     reach = channel.reach(
         dbm_to_w(np.array(fleet.p_max_dbm)), float(dbm_to_w(radio.sensitivity_dbm))

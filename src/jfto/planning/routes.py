@@ -182,7 +182,7 @@ def _as_flown(
         scenario_hash=scenario.scenario_hash(),
         seed=scenario.search.seed,
         origin=found.dem.origin,
-        radio=scenario.radio.record(),
+        radio=scenario.radio,
         k_min=network.k_min,
         delta=network.delta,
         d_min_m=mission.d_min_m,

@@ -16,7 +16,7 @@ from rclpy.parameter import Parameter
 from jfto_msgs_py.errors import JftoError, ScenarioError
 from jfto_msgs_py.scenario import KEYS, Given, Key, Scenario
 from jfto_msgs_py.scenario.options import is_of_ros, option_keys, resolve
-from jfto_msgs_py.scenario.radio import RADIO_SHORTHANDS
+from jfto_msgs_py.scenario.scenario import RADIO_SHORTHANDS
 
 Options = TypeVar("Options")
 

@@ -5,9 +5,8 @@
 
 from __future__ import annotations
 
-from jfto_msgs_py.scenario.key import Key
-from jfto_msgs_py.scenario.radio import RADIO_SHORTHANDS
-from jfto_msgs_py.scenario.scenario import KEYS, PARTS
+from jfto_msgs_py.records.fields import Key
+from jfto_msgs_py.scenario.scenario import KEYS, PARTS, RADIO_SHORTHANDS
 
 _HEAD = """\
 # Scenario keys

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any, TypeVar
 
 from jfto_msgs_py.errors import ScenarioError
-from jfto_msgs_py.scenario.key import Key, keys_of
+from jfto_msgs_py.records.fields import Key, keys_of
 from jfto_msgs_py.scenario.scenario import KEYS, Scenario
 from jfto_msgs_py.scenario.validate import make_scenario
 from jfto_msgs_py.scenario.value import Given, check_value

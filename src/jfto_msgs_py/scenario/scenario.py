@@ -8,10 +8,10 @@ import json
 from dataclasses import dataclass, field
 from typing import Any
 
+from jfto_msgs_py.records.fields import Key, keys_of
+from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.scenario.fleet import FleetPart, StartsPart
-from jfto_msgs_py.scenario.key import Key, keys_of
 from jfto_msgs_py.scenario.mission import EvaluationPart, MissionPart, NetworkPart, SearchPart
-from jfto_msgs_py.scenario.radio import RadioPart
 from jfto_msgs_py.scenario.simulation import SimulationPart
 from jfto_msgs_py.scenario.survey import CameraPart, CoveragePart, TerrainPart, WaypointsPart
 from jfto_msgs_py.scenario.trajectory import TrajectoryPart
@@ -27,7 +27,7 @@ class Scenario:
     coverage: CoveragePart = field(default_factory=CoveragePart)
     fleet: FleetPart = field(default_factory=FleetPart)
     starts: StartsPart = field(default_factory=StartsPart)
-    radio: RadioPart = field(default_factory=RadioPart)
+    radio: Radio = field(default_factory=Radio)
     network: NetworkPart = field(default_factory=NetworkPart)
     mission: MissionPart = field(default_factory=MissionPart)
     trajectory: TrajectoryPart = field(default_factory=TrajectoryPart)
@@ -56,7 +56,7 @@ PARTS: dict[str, type] = {
     "coverage": CoveragePart,
     "fleet": FleetPart,
     "starts": StartsPart,
-    "radio": RadioPart,
+    "radio": Radio,
     "network": NetworkPart,
     "mission": MissionPart,
     "trajectory": TrajectoryPart,
@@ -67,3 +67,5 @@ PARTS: dict[str, type] = {
 KEYS: dict[str, Key] = {
     key.name: key for prefix, part in PARTS.items() for key in keys_of(part, prefix)
 }
+# Short-hand keys and the keys that they set.
+RADIO_SHORTHANDS = {"radio.antenna_gain_dbi": ("radio.gain_tx_dbi", "radio.gain_rx_dbi")}

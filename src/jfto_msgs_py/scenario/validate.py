@@ -8,9 +8,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from jfto_msgs_py.errors import ScenarioError
-from jfto_msgs_py.scenario.key import Key
-from jfto_msgs_py.scenario.radio import RADIO_SHORTHANDS
-from jfto_msgs_py.scenario.scenario import KEYS, PARTS, Scenario
+from jfto_msgs_py.records.fields import Key
+from jfto_msgs_py.scenario.scenario import KEYS, PARTS, RADIO_SHORTHANDS, Scenario
 from jfto_msgs_py.scenario.value import Given, check_value, nearest
 
 Layer = Mapping[str, Given]

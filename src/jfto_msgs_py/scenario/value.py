@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from jfto_msgs_py.scenario.key import Key
+from jfto_msgs_py.records.fields import Key
 
 _LEADING_NUMBER = re.compile(r"^\s*([-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)\s*[^\d\s]")
 # Slips of the pen and of the unit, most likely first.
