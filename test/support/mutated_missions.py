@@ -26,7 +26,7 @@ def mutated(content: bytes, suffix: str, rng: random.Random) -> bytes:
             text = content.decode("utf-8", "replace")
             text = text.replace("\n", rng.choice(("\r\n", "\r", "\n\n", "\x0b", "\u2028")))
             content = text.encode(rng.choice(ENCODINGS), "replace")
-        elif suffix == ".plan":
+        elif suffix in (".plan", ".geojson"):
             content = _json_changed(content, rng)
         else:
             content = _lines_changed(content, rng)

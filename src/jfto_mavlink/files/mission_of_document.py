@@ -22,6 +22,11 @@ def mission_of_document(document: MissionDocument, name: str) -> Mission:
     if items:
         items = (_home(document, items, notes, name), *items)
     fence, rally = (tuple(map(_item, part)) for part in (document.fence, document.rally))
+    for entry, item in zip(document.rally, rally, strict=True):
+        if abs(item.lat_deg) > 90 or abs(item.lon_deg) > 180:
+            raise MissionFileError(
+                302, f"{entry.place}: {item.lat_deg}, {item.lon_deg} is not on Earth. Correct it."
+            )
     try:
         fence_from_items(fence)
     except MissionError as error:
@@ -42,7 +47,8 @@ def _home(document: MissionDocument, items: tuple[Item, ...], notes: list[str], 
                 302, f"{name}: the altitude of home is {height:g} m, which is not on Earth. Set it."
             )
         return at(mavlink.MAV_CMD_NAV_WAYPOINT, FRAME_ABSOLUTE, lat, lon, height)
-    places = (item for item in items if item.has_position and (item.x or item.y))
+    placed = (item for item in items if item.has_position and (item.x or item.y))
+    places = (item for item in placed if abs(item.lat_deg) <= 90 and abs(item.lon_deg) <= 180)
     first = next(places, Item(mavlink.MAV_CMD_NAV_WAYPOINT))
     notes.append(f"{name}: names no home; the place of its first item is written, at 0 m")
     return at(mavlink.MAV_CMD_NAV_WAYPOINT, FRAME_ABSOLUTE, first.lat_deg, first.lon_deg, 0.0)

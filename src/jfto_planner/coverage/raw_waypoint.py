@@ -23,12 +23,15 @@ class RawWaypoint:
 
 def number(value: Any, what: str, place: str) -> float:
     """A finite number, from text or JSON. Raises WaypointError."""
+    # Python's own reading takes "1_000" for a thousand, and digits of all scripts.
+    plain = not isinstance(value, str) or (value.isascii() and "_" not in value)
     try:
-        result = float(value)
-    except (TypeError, ValueError):
+        result = float(value) if plain else math.nan
+    except (TypeError, ValueError, OverflowError):
         result = math.nan
     if isinstance(value, bool) or not math.isfinite(result):
-        raise WaypointError(f"{place}: {what} is {value!r}, must be a number with a decimal point.")
+        shown = repr(value) if len(repr(value)) <= 40 else f"{repr(value)[:37]}..."
+        raise WaypointError(f"{place}: {what} is {shown}, must be a number with a decimal point.")
     return result
 
 

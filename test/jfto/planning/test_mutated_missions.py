@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import random
 from collections import Counter
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -128,9 +129,35 @@ def test_mutated_files_are_read_whole_or_refused(sources, dem, tmp_path):
     assert sum(n for (_, given), n in outcomes.items() if given != "refused") > 15, outcomes
 
 
+def run_tables(count, seed, dem, folder):
+    """Mutated GeoJSON and CSV files: how many are read."""
+    rng = random.Random(seed)
+    table = "lat\tlon,alt,heading\n46.2,7.6,1580,90\n46.2001,7.6,1580,10\n".replace("\t", ",")
+    sources = [(".geojson", path.read_bytes()) for path in sorted(CASES.glob("*.geojson"))]
+    sources.append((".csv", table.encode()))
+    read = 0
+    for number in range(count):
+        suffix, content = sources[rng.randrange(len(sources))]
+        path = folder / f"w{suffix}"
+        path.write_bytes(mutated(content, suffix, rng))
+        try:
+            given, told = outcome(partial(read_waypoint_set, path, dem), WaypointError)
+        except Exception as error:
+            error.add_note(f"file {number} of seed {seed}: {path.read_bytes()[:3000]!r}")
+            raise
+        assert given or str(path) in told
+        read += given is not None
+    return read
+
+
+def test_mutated_tables_and_points(dem, tmp_path):
+    """300 CSV and GeoJSON files: read or refused by name."""
+    assert 10 < run_tables(300, 1, dem, tmp_path) < 290
+
+
 @pytest.mark.slow
 def test_ten_thousand_mutated_files(sources, dem, tmp_path):
     """The same of 10 000, with the counts printed."""
     outcomes = run(10_000, 14, sources, dem, tmp_path)
     assert sum(outcomes.values()) == 10_000
-    print(dict(outcomes))
+    print(dict(outcomes), run_tables(10_000, 14, dem, tmp_path), "tables read")
