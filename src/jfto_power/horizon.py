@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import MessageError
 from jfto_msgs_py.records.network import Adjacency, PowerIntervals, PowerSchedule, SlotHorizon
 from jfto_msgs_py.records.radio import Radio
-from jfto_msgs_py.types import Array
+from jfto_msgs_py.types import AnyArray, Array
 from jfto_power.allocation import PowerProblem, allocate
 from jfto_power.shortage import EnergyShortage, affordable_slots, check_energy
 from jfto_world.radio import Channel, pairwise_distances
@@ -83,7 +82,7 @@ def plan_horizon(
     return HorizonPower(schedule, shortage)
 
 
-def _with_front(array: NDArray) -> NDArray:
+def _with_front(array: AnyArray) -> AnyArray:
     return np.concatenate([array[:1], array])
 
 

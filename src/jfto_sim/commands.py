@@ -34,6 +34,10 @@ class Command:
 CommandHandler = Callable[[Command], int]
 
 
+def _unsupported(_command: Command) -> int:
+    return UNSUPPORTED
+
+
 def from_message(m: Message, port: int) -> Command:
     """Either form as one record."""
     p = (m.param1, m.param2, m.param3, m.param4)
@@ -57,5 +61,5 @@ class Commands:
     def handle(self, m: Message, port: int) -> None:
         """Carry out and acknowledge; unknown commands are UNSUPPORTED."""
         command = from_message(m, port)
-        act = self._table.get(command.number, lambda _: UNSUPPORTED)
+        act = self._table.get(command.number, _unsupported)
         self._ports.acknowledge(m, port, command.number, lambda: act(command))

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import MessageError
-from jfto_msgs_py.types import Array
+from jfto_msgs_py.types import AnyArray, Array
 
 LEAST_SLOT_S = 1e-6
 # Times are nanoseconds in 64 bits; builtin_interfaces/Time ends in 2038 anyway.
@@ -110,7 +110,7 @@ def _check_ids(uav_ids: tuple[str, ...]) -> None:
             raise MessageError("uav.ids", f"{uav_id!r} is empty or holds one of , ; =")
 
 
-def _check_shape(name: str, array: NDArray, shape: tuple[int, ...]) -> None:
+def _check_shape(name: str, array: AnyArray, shape: tuple[int, ...]) -> None:
     if array.shape != shape:
         raise MessageError(f"{name}.layout", f"shape is {array.shape}, expected {shape}")
 

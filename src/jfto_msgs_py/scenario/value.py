@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,7 +13,7 @@ from jfto_msgs_py.records.fields import Key
 
 _LEADING_NUMBER = re.compile(r"^\s*([-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)\s*[^\d\s]")
 # Slips of the pen and of the unit, most likely first.
-_SLIPS = (
+_SLIPS: tuple[Callable[[float], float], ...] = (
     lambda v: -v,
     lambda v: v / 10,
     lambda v: v * 10,
