@@ -76,7 +76,18 @@ def cli() -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; returns the exit status."""
+    """Run the command line.
+
+    Parameters
+    ----------
+    arguments
+        Without the name of the program; None: those of the process.
+
+    Returns
+    -------
+    int
+        Exit status.
+    """
     arguments = list(sys.argv[1:] if arguments is None else arguments)
     for stream in (sys.stdout, sys.stderr):
         # A terminal that lacks a character shows a question mark instead of a traceback.

@@ -17,10 +17,25 @@ _LARGEST_BYTES = 64 * 2**20
 
 
 def read_document(path: Path) -> MissionDocument:
-    """What a `.plan` or `.waypoints` file holds; raises MissionTextError.
+    """What a mission file holds.
 
     Fence and rally points that lie beside a `.waypoints` file, as Mission Planner keeps them
     (`x.fence.waypoints`, `x.rally.waypoints`), come with it.
+
+    Parameters
+    ----------
+    path
+        A `.plan` or `.waypoints` file.
+
+    Returns
+    -------
+    MissionDocument
+        Its items, and notes on what is not used.
+
+    Raises
+    ------
+    MissionTextError
+        Names file, place, reason and cure.
     """
     suffix = path.suffix.lower()
     if suffix == PLAN_SUFFIX:

@@ -20,8 +20,21 @@ _ROS_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 def make_scenario(layers: Sequence[Layer]) -> Scenario:
     """Scenario from layers of dotted keys, a later layer winning over an earlier one.
 
-    Raises ScenarioError that lists every problem found, one sentence each: where, which key, which
-    value, which range, and what to do.
+    Parameters
+    ----------
+    layers
+        Values by key, each with where it was given.
+
+    Returns
+    -------
+    Scenario
+        Resolved and validated.
+
+    Raises
+    ------
+    ScenarioError
+        Lists every problem, one sentence each: where, which key, which value, which range, and what
+        to do.
     """
     problems: list[str] = []
     given: dict[str, Given] = {}

@@ -61,9 +61,35 @@ def certify_coverage(
 ) -> CoverageCertificate:
     """Cast a ray from every photo to every sample of the area inside its frame.
 
-    A sample is seen when it is inside the frame, faces the camera within `max_incidence_deg`, is
-    not hidden by ground, and, with `gsd_max_m`, near enough for that resolution. Samples lie on a
-    grid of `sample_spacing_m` (default: 300 along the longer side). Raises InputError.
+    A sample is seen when it is inside the frame, faces the camera, is not hidden by ground and is
+    near enough.
+
+    Parameters
+    ----------
+    waypoints
+        Where photos are taken, with yaw and pitch.
+    dem
+        The ground.
+    camera
+        Sensor and lens.
+    gsd_max_m
+        Coarsest ground resolution that counts, m per pixel; None: any.
+    max_incidence_deg
+        Greatest angle to the normal of the ground.
+    sample_spacing_m
+        Of the grid of samples; None: 300 along the longer side.
+    progress
+        Called with the share done, 0 to 1.
+
+    Returns
+    -------
+    CoverageCertificate
+        What the photos show.
+
+    Raises
+    ------
+    InputError
+        An argument is out of range.
     """
     if sample_spacing_m is None:
         sample_spacing_m = max(dem.size_m) / _SAMPLES_PER_SIDE

@@ -59,8 +59,26 @@ def plan_coverage(
 ) -> Coverage:
     """Camera waypoints over the whole area of `dem`, certified by ray casting.
 
-    `progress` is called with the share done, 0 to 1. Raises InfeasibleError when no waypoint is
-    possible or more are needed than `settings.max_waypoints`.
+    Parameters
+    ----------
+    dem
+        The ground.
+    camera
+        Sensor and lens.
+    settings
+        Overlaps, distance and limits.
+    progress
+        Called with the share done, 0 to 1.
+
+    Returns
+    -------
+    Coverage
+        Waypoints, what they show, and what had to be changed.
+
+    Raises
+    ------
+    InfeasibleError
+        No waypoint is possible, or more are needed than `settings.max_waypoints`.
     """
     distance_m = settings.distance_for(camera)
     footprint = camera.footprint_m(distance_m)
@@ -108,8 +126,24 @@ def judge_waypoints(
 ) -> Coverage:
     """Certificate of waypoints of any origin, by the rule of planned ones.
 
-    `distance_m` is the wished distance to the surface: photos of a ground resolution coarser than
-    twice that of it do not count. `progress` is called with the share done.
+    Parameters
+    ----------
+    waypoints
+        Where photos are taken, with yaw and pitch.
+    dem
+        The ground.
+    camera
+        Sensor and lens.
+    distance_m
+        Wished distance to the surface: photos of a ground resolution coarser than twice that of it
+        do not count.
+    progress
+        Called with the share done, 0 to 1.
+
+    Returns
+    -------
+    Coverage
+        The waypoints as they are, and what they show.
     """
     gsd_max_m = _GSD_SLACK * camera.gsd_m(distance_m)
     found = certify_coverage(waypoints, dem, camera, gsd_max_m=gsd_max_m, progress=progress)

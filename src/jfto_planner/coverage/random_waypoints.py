@@ -16,10 +16,31 @@ _GAUSSIAN_SHARE = 1 / 6
 def random_waypoints(
     kind: str, count: int, dem: Dem, height_m: float, rng: np.random.Generator
 ) -> tuple[Waypoint, ...]:
-    """`count` waypoints `height_m` above the ground of the area, looking straight down.
+    """Waypoints above the ground of the area, looking straight down.
 
-    "uniform" over the area, or "gaussian" about its middle with a standard deviation of a sixth
-    of each side, redrawn where it falls outside. Raises InputError.
+    Parameters
+    ----------
+    kind
+        "uniform" over the area, or "gaussian" about its middle with a standard deviation of a sixth
+        of each side, redrawn where it falls outside.
+    count
+        How many.
+    dem
+        The ground.
+    height_m
+        Above the ground.
+    rng
+        Where chance comes from.
+
+    Returns
+    -------
+    tuple of Waypoint
+        Numbered from 0.
+
+    Raises
+    ------
+    InputError
+        An argument is out of range.
     """
     if kind not in KINDS:
         raise InputError(f"Kind of random waypoints is {kind!r}, must be one of {KINDS}.")

@@ -30,17 +30,51 @@ class WaypointSet:
 
 
 def read_waypoints(path: str | Path, dem: Dem) -> tuple[Waypoint, ...]:
-    """Waypoints of a file, numbered from 0 in its order, in ENU metres about the DEM's origin.
+    """Waypoints of a file, in ENU metres about the DEM's origin.
 
     Heights are altitudes in the DEM's own datum or above the ground below
     (docs/explanation/coverage.md).
-    Raises WaypointError, naming file, line or item, reason and cure.
+
+    Parameters
+    ----------
+    path
+        CSV, GeoJSON, KML or a mission file.
+    dem
+        Its origin and heights are what the waypoints are given in.
+
+    Returns
+    -------
+    tuple of Waypoint
+        Numbered from 0 in the order of the file.
+
+    Raises
+    ------
+    WaypointError
+        Names file, line or item, reason and cure.
     """
     return read_waypoint_set(path, dem).waypoints
 
 
 def read_waypoint_set(path: str | Path, dem: Dem) -> WaypointSet:
-    """The same with notes on what the file holds besides. Raises WaypointError."""
+    """Waypoints of a file with notes on what it holds besides.
+
+    Parameters
+    ----------
+    path
+        As for `read_waypoints`.
+    dem
+        Its origin and heights are what the waypoints are given in.
+
+    Returns
+    -------
+    WaypointSet
+        Waypoints and notes.
+
+    Raises
+    ------
+    WaypointError
+        Names file, line or item, reason and cure.
+    """
     path = Path(path)
     suffix = path.suffix.lower()
     notes: list[str] = []

@@ -37,6 +37,18 @@ def with_ways_home(plan: Plan, rules: HomeRules) -> Plan:
 
     Nobody leaves before the horizon. Where no departures keep the fleet apart they go one by one,
     for the certificate to say what that breaks.
+
+    Parameters
+    ----------
+    plan
+        Routes and times to the last waypoints.
+    rules
+        What ways home must keep to.
+
+    Returns
+    -------
+    Plan
+        With a way home for each UAV.
     """
     starts = [_holds_at(plan, a) for a in range(len(plan.uavs))]
     arrived = np.array([_arrived_s(plan, a) for a in range(len(plan.uavs))])

@@ -52,11 +52,32 @@ def build_plan(
     time_parameters: Mapping[str, float] | None = None,
     trajectories: Sequence[Trajectory] = (),
 ) -> Plan:
-    """Plan of routes given as indices into the waypoints of `terms`, one route per UAV.
+    """Plan of routes given as indices into the waypoints of `terms`.
 
-    Arrivals and positions follow from the named time model, or from `trajectories`, one per UAV,
-    where they are given; lengths are those of straight legs. Raises InputError for an unknown time
-    model.
+    Lengths are those of straight legs.
+
+    Parameters
+    ----------
+    routes
+        One per UAV.
+    terms
+        What the plan says whatever its routes are.
+    time_model
+        Name of the model that arrivals and positions follow from.
+    time_parameters
+        Of that model; None for its defaults.
+    trajectories
+        One per UAV; where given, arrivals and positions follow from them.
+
+    Returns
+    -------
+    Plan
+        Without a certificate.
+
+    Raises
+    ------
+    InputError
+        The time model is unknown.
     """
     waypoints, uavs = terms.waypoints, terms.uavs
     records = tuple(rounded_record(trajectory.as_record()) for trajectory in trajectories)

@@ -49,10 +49,26 @@ class Calibrated:
 
 
 def calibrated(model: TimeModel, speed_mps: Array, flown_s: Array, expected_s: Array) -> Calibrated:
-    """`model` corrected by flights of UAVs (A,), least squares.
+    """`model` corrected by flights of UAVs, least squares.
 
-    Without waypoints, expected at 0 s, a UAV says nothing. Few UAVs, or alike in speed,
-    give one factor for all.
+    Without waypoints, expected at 0 s, a UAV says nothing. Few UAVs, or alike in speed, give one
+    factor for all.
+
+    Parameters
+    ----------
+    model
+        The estimate to correct.
+    speed_mps
+        Cruise speeds (A,), m/s.
+    flown_s
+        Durations (A,) as flown, s.
+    expected_s
+        Durations (A,) by `model`, s.
+
+    Returns
+    -------
+    Calibrated
+        Right on average for these flights.
     """
     used = expected_s > 0
     if not used.any():

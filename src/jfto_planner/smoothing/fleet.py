@@ -37,9 +37,32 @@ def smooth_fleet(
     rules: CurveRules,
     workers: int = 2,
 ) -> tuple[Trajectory, ...]:
-    """Trajectories of routes (M, 3) above the ground; they do not depend on `workers`.
+    """Trajectories of routes above the ground.
 
-    Raises InfeasibleError that names the vehicle whose route cannot be flown within the rules.
+    Parameters
+    ----------
+    names
+        Of the vehicles, for errors.
+    lines_m
+        Routes (M, 3), ENU m.
+    limits
+        Of each vehicle.
+    ground_height
+        Height of the ground at (x_m, y_m), m.
+    rules
+        What curves must keep to besides.
+    workers
+        Threads; the result does not depend on them.
+
+    Returns
+    -------
+    tuple of Trajectory
+        One per route.
+
+    Raises
+    ------
+    InfeasibleError
+        Names the vehicle whose route cannot be flown within the rules.
     """
 
     def one(index: int) -> Trajectory:
@@ -66,6 +89,20 @@ def kept_apart(
     """The fleet with start delays and slower flight that keep it apart, where there are any.
 
     Where there are none it is left as it is, for the certificate to say so.
+
+    Parameters
+    ----------
+    trajectories
+        Trajectories of the fleet, one per UAV.
+    d_min_m
+        Least distance between two UAVs, m.
+    neighbours_kept
+        Whether positions (K, A, 3) keep the neighbour rule.
+
+    Returns
+    -------
+    tuple of Trajectory
+        Delayed and slowed, in the same order.
     """
     try:
         return separate(trajectories, d_min_m, neighbours_kept=neighbours_kept)

@@ -71,7 +71,27 @@ class CurveLimits:
 
 
 def photo_speed_mps(gsd_m: float, blur_px: float, exposure_s: float) -> float:
-    """Fastest pass over a photo point: the image moves `blur_px` pixels during the exposure."""
+    """Fastest pass over a photo point: the image moves `blur_px` pixels during the exposure.
+
+    Parameters
+    ----------
+    gsd_m
+        Ground resolution, m per pixel.
+    blur_px
+        Greatest blur, pixels.
+    exposure_s
+        Exposure, s.
+
+    Returns
+    -------
+    float
+        Speed, m/s.
+
+    Raises
+    ------
+    InputError
+        An argument is not positive.
+    """
     for name, value in (("gsd_m", gsd_m), ("blur_px", blur_px), ("exposure_s", exposure_s)):
         if not value > 0:
             raise InputError(f"{name} is {value}, must be positive.")
@@ -83,6 +103,22 @@ def rest_to_rest_s(length_m: float, speed_mps: float, accel_mps2: float, jerk_mp
 
     T = max(1.875 L/v, sqrt(10/sqrt(3) L/a), (60 L/j)^(1/3)): the position 10 s³ - 15 s⁴ + 6 s⁵ has
     these peaks of speed, acceleration and jerk.
+
+    Parameters
+    ----------
+    length_m
+        L, m.
+    speed_mps
+        v, m/s.
+    accel_mps2
+        a, m/s².
+    jerk_mps3
+        j, m/s³.
+
+    Returns
+    -------
+    float
+        T, s.
     """
     return max(
         1.875 * length_m / speed_mps,

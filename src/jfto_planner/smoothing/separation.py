@@ -40,10 +40,29 @@ def separate(
 ) -> tuple[Trajectory, ...]:
     """Delay or slow vehicles, later ones first, until all are at least `d_min_m` apart.
 
-    `neighbours_kept` gets the positions (K, A, 3) of all vehicles once per second and says whether
-    a change is acceptable; changes that it refuses are not made. Among changes that do, the one
-    that ends a vehicle's flight soonest is taken. Raises InfeasibleError naming the pair and time
-    that cannot be kept apart.
+    Among changes that do, the one that ends a vehicle's flight soonest is taken.
+
+    Parameters
+    ----------
+    trajectories
+        Trajectories of the fleet, one per UAV.
+    d_min_m
+        Least distance between two vehicles, m.
+    settings
+        How much may be changed.
+    neighbours_kept
+        Gets the positions (K, A, 3) of all vehicles once per second and says whether a change is
+        acceptable; one that it refuses is not made.
+
+    Returns
+    -------
+    tuple of Trajectory
+        In the same order.
+
+    Raises
+    ------
+    InfeasibleError
+        Names the pair and the time that cannot be kept apart.
     """
     settings = settings or SeparationSettings()
     flown = list(trajectories)

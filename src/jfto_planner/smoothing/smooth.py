@@ -60,8 +60,24 @@ class RouteRequest:
 def smooth_route(request: RouteRequest, settings: SmoothingSettings | None = None) -> Trajectory:
     """Least-time trajectory of one route, at rest at both ends.
 
-    Raises InputError where the request contradicts itself, InfeasibleError where no trajectory
-    within the limits is found.
+    Parameters
+    ----------
+    request
+        Points, stops, holds and speed caps of the route.
+    settings
+        How well the curve is made.
+
+    Returns
+    -------
+    Trajectory
+        Within the limits of the request.
+
+    Raises
+    ------
+    InputError
+        The request contradicts itself.
+    InfeasibleError
+        No trajectory within the limits is found.
     """
     settings = settings or SmoothingSettings()
     points, stop, hold, cap = checked(request)

@@ -51,11 +51,29 @@ def smooth_above(
 ) -> Trajectory:
     """Least-time trajectory that stays `clearance` above the ground between its ends.
 
-    `ground_height(x_m, y_m)` gives the height of the ground in the frame of the points. An end
-    that is lower (a pad) gets a point straight above it, where the vehicle stops: the climb and
-    the landing are vertical. Between points, vias are added where the curve would be too low.
-    Times are given for the points asked for only. Raises InfeasibleError where an inner point is
-    itself too low, or where vias do not help.
+    An end that is lower (a pad) gets a point straight above it, where the vehicle stops: the climb
+    and the landing are vertical. Between points, vias are added where the curve would be too low.
+
+    Parameters
+    ----------
+    request
+        Points, stops, holds and speed caps of the route.
+    ground_height
+        Height of the ground at (x_m, y_m), in the frame of the points.
+    clearance
+        Least height above it.
+    settings
+        How well the curve is made.
+
+    Returns
+    -------
+    Trajectory
+        With times of the points asked for only.
+
+    Raises
+    ------
+    InfeasibleError
+        An inner point is itself too low, or vias do not help.
     """
     draft = _with_climbs(request, ground_height, clearance)
     spare = _SPARE_M

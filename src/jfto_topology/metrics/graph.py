@@ -48,9 +48,19 @@ def connectivity_rate(adjacency: Flags, first_slot: int, on_air: Flags | None = 
 
 
 def largest_component(adjacency: Flags, present: Flags) -> Ints:
-    """Size of the largest component among the UAVs present, (M,); 0 where nobody is.
+    """Size of the largest component among the UAVs present.
 
-    `adjacency` is (M, A, A), `present` (M, A).
+    Parameters
+    ----------
+    adjacency
+        (M, A, A), symmetric.
+    present
+        (M, A).
+
+    Returns
+    -------
+    array of int
+        (M,); 0 where nobody is.
     """
     label = components(adjacency, present)
     counts = (label[:, :, None] == np.arange(label.shape[1])).sum(axis=1)
@@ -58,9 +68,19 @@ def largest_component(adjacency: Flags, present: Flags) -> Ints:
 
 
 def components(adjacency: Flags, present: Flags) -> Ints:
-    """Component of each UAV present, numbered from 0 in order of lowest index, -1 if absent.
+    """Component of each UAV present, numbered from 0 in order of lowest index.
 
-    `adjacency` is (M, A, A), symmetric, `present` and the result (M, A).
+    Parameters
+    ----------
+    adjacency
+        (M, A, A), symmetric.
+    present
+        (M, A).
+
+    Returns
+    -------
+    array of int
+        (M, A); -1 where a UAV is absent.
     """
     label = np.full(present.shape, -1, dtype=np.int64)
     stack = np.empty(present.shape[1], dtype=np.int64)
@@ -113,7 +133,18 @@ def average_hops(adjacency: Flags) -> float:
 
 
 def hop_counts(adjacency: Flags) -> Ints:
-    """Links on the shortest path between all pairs, (M, A, A); -1 where there is none."""
+    """Links on the shortest path between all pairs.
+
+    Parameters
+    ----------
+    adjacency
+        (M, A, A), symmetric.
+
+    Returns
+    -------
+    array of int
+        (M, A, A); -1 where there is no path.
+    """
     hops = np.full(adjacency.shape, -1, dtype=np.int64)
     _walk(np.ascontiguousarray(adjacency), hops, np.empty(adjacency.shape[1], dtype=np.int64))
     return hops

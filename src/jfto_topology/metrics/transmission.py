@@ -34,5 +34,18 @@ def slot_throughput(adjacency: Flags, gain: Array, power_w: Array, radio: Radio)
 
 
 def energy_used(power_w: Array, slot_duration_s: float) -> Array:
-    """Σ_{n=1..N} p Δt of each UAV in joules (A,); `power_w` is (N + 1, A) (P0emax)."""
+    """Σ_{n=1..N} p Δt of each UAV (P0emax).
+
+    Parameters
+    ----------
+    power_w
+        p (N + 1, A), W.
+    slot_duration_s
+        Δt, s.
+
+    Returns
+    -------
+    array of float
+        (A,), J.
+    """
     return power_w[1:].sum(axis=0) * slot_duration_s

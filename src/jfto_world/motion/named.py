@@ -11,10 +11,24 @@ NAMES = ("arducopter", "constant_speed")
 
 
 def time_model_named(name: str, parameters: Mapping[str, float] | None = None) -> TimeModel:
-    """Return the time model of a name; raises InputError that lists the known names.
+    """Return the time model of a name.
 
-    `parameters` are those that the model gave as its `parameters()`, less any that have their
-    defaults.
+    Parameters
+    ----------
+    name
+        As plans give it.
+    parameters
+        Those that the model gave as its `parameters()`, less any that have their defaults.
+
+    Returns
+    -------
+    TimeModel
+        The model.
+
+    Raises
+    ------
+    InputError
+        Lists the known names.
     """
     given = dict(parameters or {})
     if name == "constant_speed":

@@ -60,6 +60,17 @@ def free_space_gain_at_1_m(radio: Radio) -> float:
 
 
 def make_channel(radio: Radio) -> LogDistanceChannel:
-    """Channel model that a radio record asks for."""
+    """Channel model that a radio record asks for.
+
+    Parameters
+    ----------
+    radio
+        Its model and parameters.
+
+    Returns
+    -------
+    LogDistanceChannel
+        With gain, reach and required power.
+    """
     exponent = 2.0 if radio.channel == "free_space" else radio.path_loss_exponent
     return LogDistanceChannel(free_space_gain_at_1_m(radio), exponent)

@@ -43,17 +43,35 @@ def load_dem(
     zero_is_void: bool = True,
     declared: DeclaredHeights = AS_IN_FILE,
 ) -> Dem:
-    """Ground of the area of `size_m` (east-west, north-south) about `center` (lat, lon).
+    """Ground of an area, known some way beyond it too, as cameras stand outside of slopes.
 
-    `source` is a GeoTIFF, SRTM .hgt, Esri ASCII file or other raster in any CRS, a folder of
-    neighbouring tiles, or "jacksboro" for the built-in tile. `declared` says what a file leaves
-    open of its heights. `center` None means the middle of the raster. The ground is known
-    `margin_m` beyond the area too, as cameras stand outside of slopes; None means 500 m, or as much
-    of that as the raster holds. `zero_is_void` takes heights of exactly 0 for missing data, as many
-    files do; switch it off at the sea. The origin's altitude is the ground's at the centre, in the
-    file's own height datum.
+    The origin's altitude is the ground's at the centre, in the file's own height datum.
 
-    Raises TerrainError, naming file, reason and cure.
+    Parameters
+    ----------
+    source
+        A GeoTIFF, SRTM .hgt, Esri ASCII file or other raster in any CRS, a folder of neighbouring
+        tiles, or "jacksboro" for the built-in tile.
+    center
+        Latitude and longitude, degrees; None: the middle of the raster.
+    size_m
+        East-west and north-south.
+    margin_m
+        How far beyond; None: 500 m, or as much of that as the raster holds.
+    zero_is_void
+        Heights of exactly 0 are missing data, as in many files; switch it off at the sea.
+    declared
+        What a file leaves open of its heights.
+
+    Returns
+    -------
+    Dem
+        The ground.
+
+    Raises
+    ------
+    TerrainError
+        Names file, reason and cure.
     """
     raster = _raster(source, declared)
     lat_deg, lon_deg = _check_center(raster, center)

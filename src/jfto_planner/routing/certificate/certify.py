@@ -162,9 +162,25 @@ def _check_energy(plan: Plan, floor: Array) -> list[Violation]:
 def plan_instants(
     plan: Plan, positions_m: Array, finer: int, present: Flags | None = None
 ) -> Instants:
-    """Separation, neighbours and connectivity of positions (T, A, 3) by a plan's radio and rules.
+    """Separation, neighbours and connectivity of positions by a plan's radio and rules.
 
-    Everybody sends at P_max. `present` (T, A) leaves UAVs out that are not there.
+    Everybody sends at P_max.
+
+    Parameters
+    ----------
+    plan
+        Its radio, powers and rules count.
+    positions_m
+        (T, A, 3), ENU m.
+    finer
+        Instants per slot.
+    present
+        (T, A), leaves UAVs out that are not there; None: all are.
+
+    Returns
+    -------
+    Instants
+        Of each of the T instants.
     """
     channel = make_channel(plan.radio)
     power_w = dbm_to_w(np.array([uav.p_max_dbm for uav in plan.uavs]))

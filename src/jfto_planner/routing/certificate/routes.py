@@ -36,9 +36,28 @@ class Flown:
 
 
 def fly(plan: Plan, finer: int) -> Flown:
-    """Recompute arrivals, lengths and positions from the routes; raises InputError.
+    """Recompute arrivals, lengths and positions from the routes.
 
     Unknown waypoint ids are flown past; check_routes reports them.
+
+    Parameters
+    ----------
+    plan
+        A plan.
+    finer
+        Instants per slot.
+
+    Returns
+    -------
+    Flown
+        What the routes come to.
+
+    Raises
+    ------
+    PlanError
+        The plan cannot be flown as it stands.
+    InputError
+        Its time model is unknown.
     """
     if plan.trajectories and plan.time_model != CURVES:
         raise PlanError(

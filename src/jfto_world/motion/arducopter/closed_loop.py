@@ -60,9 +60,35 @@ def fly_route(
 ) -> Flight:
     """Fly a route in closed loop, from a hover at its first point.
 
-    Arguments as `plan_target`; `wind_mps` (east, north) is where the air moves to. A stop counts
-    as reached once the target rests there and the vehicle is within the waypoint radius; then the
-    hold runs. Raises InfeasibleError where the vehicle never gets there (wind beyond its tilt).
+    A stop counts as reached once the target rests there and the vehicle is within the waypoint
+    radius; then the hold runs.
+
+    Parameters
+    ----------
+    points_m
+        (M, 3), ENU m.
+    wpnav
+        Parameters of the autopilot.
+    airframe
+        Drag and lag; None: the simulated quadcopter.
+    stop
+        (M,), where to stop; None: at the ends.
+    hold_s
+        (M,), how long to stay; None: not at all.
+    wind_mps
+        East and north, where the air moves to.
+    step_s
+        Of the simulation.
+
+    Returns
+    -------
+    Flight
+        The motion, and when points were reached.
+
+    Raises
+    ------
+    InfeasibleError
+        The vehicle never gets there: wind beyond its tilt.
     """
     points, stops, holds = route_arrays(points_m, stop, hold_s)
     track = plan_target(points, wpnav, stops, holds)

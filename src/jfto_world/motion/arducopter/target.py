@@ -57,12 +57,24 @@ def plan_target(
 
     Parameters
     ----------
-    points_m : (M, 3) ENU metres, the start first; M >= 1
-    wpnav : the planner's parameters
-    stop : (M,) bool, True where the vehicle must come to rest; the ends always are
-    hold_s : (M,) seconds of rest at each point, > 0 makes it a stop; the first is ignored
+    points_m
+        (M, 3), ENU m, the start first; M >= 1.
+    wpnav
+        The planner's parameters.
+    stop
+        (M,), where the vehicle must come to rest; the ends always are.
+    hold_s
+        (M,), rest at each point in s, > 0 makes it a stop; the first is ignored.
 
-    Raises InputError where shapes disagree.
+    Returns
+    -------
+    TargetTrack
+        Legs and times.
+
+    Raises
+    ------
+    InputError
+        Shapes disagree.
     """
     points, stops, holds = route_arrays(points_m, stop, hold_s)
     count = len(points)
