@@ -221,7 +221,9 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
     def _tell(self, event: Event) -> None:
         """Announce what an operator must learn of; changes of plain state are for the log."""
         if event.level < INFO:
-            self.get_logger().debug(f"{event.uav_id}: {event.text}")
+            # Whoever arms a vehicle has said so already.
+            if event.text != "armed":
+                self.get_logger().info(f"{event.uav_id}: {event.text}")
         else:
             self.announce(event)
         if event.level >= ERROR:

@@ -267,6 +267,7 @@ class _Loop:
     def _look(self, fleet: FleetStatus) -> None:
         if not self._in_flight:
             return
+        self._tracker.going_home = self._conductor.stage == Stage.HOME
         if self._conductor.stage in {Stage.FLY, Stage.HOME}:
             self._flight = [*self._flight[:1], fleet]
         if fleet.now_s - self._shown_s >= _SHOW_EVERY_S:

@@ -49,6 +49,8 @@ class FlightTracker:
         self._finished: dict[str, float] = {}
         self._adjacency: Adjacency | None = None
         self._events: list[Event] = []
+        # On the way home nobody keeps to the plan's times, and that is no news.
+        self.going_home = False
 
     def take_lift_off(self, start_ns: int) -> None:
         """The flight began; powers in force cost energy from here on."""
@@ -90,7 +92,7 @@ class FlightTracker:
 
     def take_event(self, event: Event) -> None:
         """What happened; one that comes twice, as from a node's memory, is taken once."""
-        if event in self._events:
+        if event in self._events or (self.going_home and event.kind == "late"):
             return
         self._events = [*self._events, event][-_EVENTS_KEPT:]
         if event.kind == "landed":
