@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -54,7 +55,11 @@ def draw(drawings: Drawings, folder: Path, progress: Progress = SILENT) -> tuple
     folder.mkdir(parents=True, exist_ok=True)
     files: list[Path] = []
     for done, (stem, figure) in enumerate(drawings.items()):
-        files += save(figure(), folder / stem)
+        with warnings.catch_warnings():
+            # What it does with few or missing data is seen in the figure; an operator cannot act.
+            warnings.filterwarnings("ignore", module="matplotlib")
+            warnings.filterwarnings("ignore", category=RuntimeWarning, module="numpy")
+            files += save(figure(), folder / stem)
         progress.advance((done + 1) / len(drawings))
     progress.end("figures", f"{len(drawings)} figures", f"{folder}/*.png, *.pdf")
     return tuple(files)
