@@ -251,6 +251,19 @@ def test_a_fleet_that_is_late_flies_more_slots(desk: Desk) -> None:
     assert len(facts.grid.times_s) == 11 * FINER + 1
 
 
+def test_lateness_is_part_of_the_verdict(desk: Desk) -> None:
+    """More than a slot late is not as planned, and clean slots are not called so without it."""
+    slot_s = desk.plan.slots.duration_s
+    uavs = [uav.id for uav in desk.plan.uavs]
+    late = desk.facts(desk.flight(Flaws(late_s=dict.fromkeys(uavs, 1.2 * slot_s))))
+    assert not late.good
+    assert "but up to" in late.in_words()
+    assert "s later than planned" in late.in_words()
+    on_time = desk.facts(desk.flight())
+    assert on_time.good
+    assert "later than planned" not in on_time.in_words()
+
+
 def test_a_record_that_ends_early_is_judged_up_to_there(desk: Desk) -> None:
     """The recorder died after 50 s: five slots, nobody lost, and the note says where it ends."""
     from dataclasses import replace

@@ -321,3 +321,60 @@ def test_a_graph_that_cannot_be_kept_up_ends_it() -> None:
     other.conductor.gave_up("mavlink_bridge was killed eight times.")
     assert other.conductor.outcome is not None
     assert other.conductor.outcome.ending == Ending.LOST
+
+
+def test_a_key_is_an_order_to_all_in_flight_and_none_before() -> None:
+    """Hold and go on leave the flight as it is; home and land are followed down."""
+    stand = Stand()
+    stand.see(PAD, PAD)
+    stand.conductor.order("abort", "home")
+    assert stand.orders == ["upload"]
+    stand.answer("upload")
+    stand.answer("start")
+    stand.see(UP, UP)
+    stand.conductor.order("pause", "hold")
+    stand.see(UP, UP)
+    assert stand.conductor.stage == Stage.FLY
+    stand.conductor.order("land", "land where they are")
+    assert stand.conductor.stage == Stage.HOME
+    stand.see(UP, UP)
+    stand.answer("land", success=False, text="uav2 does not answer.")
+    stand.see(UP, UP, after_s=10.0)
+    assert stand.orders == ["upload", "start", "pause", "land", "land"]
+    stand.answer("land")
+    stand.see(PAD, PAD, after_s=20.0)
+    assert stand.conductor.outcome is not None
+    assert stand.conductor.outcome.ending == Ending.ABORTED
+    assert "By key: land where they are." in stand.conductor.outcome.text
+
+
+def test_a_flight_that_is_taken_over_is_followed_and_nothing_is_started() -> None:
+    """Whoever is in the air is followed down; whoever is down already has landed."""
+    stand = Stand(resume=True)
+    stand.see(UP, UP)
+    stand.see(UP, UP, after_s=10.0)
+    assert stand.conductor.stage == Stage.FLY
+    stand.see(UP, PAD, after_s=30.0)
+    stand.see(PAD, PAD, after_s=30.0)
+    assert stand.orders == []
+    assert stand.conductor.outcome is not None
+    assert stand.conductor.outcome.ending == Ending.LANDED
+    ended = Stand(resume=True)
+    ended.see(PAD, PAD)
+    ended.see(PAD, PAD, after_s=10.0)
+    assert ended.conductor.outcome is not None
+    assert "ended while nobody looked" in ended.conductor.outcome.text
+    assert ended.conductor.outcome.flown
+
+
+def test_a_streamed_fleet_is_on_its_plan_after_a_restart_in_the_start() -> None:
+    """In GUIDED with a trajectory streamed to it a vehicle flies what was planned."""
+    streamed = VehicleStatus(linked=True, silent_s=0.5, armed=True, mode="GUIDED", streamed=True)
+    assert streamed.on_plan
+    assert not VehicleStatus(linked=True, armed=True, mode="GUIDED").on_plan
+    stand = Stand()
+    stand.see(PAD, PAD)
+    stand.answer("upload")
+    stand.conductor.bridge_died()
+    stand.see(streamed, streamed, after_s=5.0)
+    assert stand.conductor.stage == Stage.FLY
