@@ -95,23 +95,31 @@ def read_text(path: Path, error: type[InputError], what: str, size_limit: int) -
 
     `what` names the kind of file that is asked for, such as "scenario".
     """
-    if path.is_dir():
-        raise error(f"{path}: is a directory. Name a {what} file.")
     try:
+        return read_data(path, error, what, size_limit).decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise error(f"{path}: is not a text file. Name a {what} file in UTF-8.") from None
+
+
+def read_data(path: Path, error: type[InputError], what: str, size_limit: int) -> bytes:
+    """Bytes of a file, as `read_text` reads it."""
+    try:
+        if path.is_dir():
+            raise error(f"{path}: is a directory. Name a {what} file.")
         if path.stat().st_size > size_limit:
             raise error(
                 f"{path}: has {path.stat().st_size / 1e6:.1f} MB, more than any {what} file "
                 f"({size_limit / 1e6:g} MB). Is it the right file?"
             )
-        return path.read_bytes().decode("utf-8-sig")
+        return path.read_bytes()
     except FileNotFoundError:
         raise error(f"{path}: no such file.{_alternatives(path)}") from None
     except PermissionError:
         raise error(f"{path}: may not be read. Check its permissions.") from None
-    except UnicodeDecodeError:
-        raise error(f"{path}: is not a text file. Name a {what} file in UTF-8.") from None
-    except OSError as cause:
-        raise error(f"{path}: cannot be read: {cause.strerror}. Check the path.") from None
+    except (OSError, ValueError) as cause:
+        # Not every name can be one of a file.
+        reason = getattr(cause, "strerror", None) or cause
+        raise error(f"{path}: cannot be read: {reason}. Check the path.") from None
 
 
 def _alternatives(path: Path) -> str:

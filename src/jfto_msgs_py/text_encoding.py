@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.files import read_data
 
 _MARKS = (
     (b"\xef\xbb\xbf", "utf-8-sig"),
@@ -21,27 +22,10 @@ _BINARY = re.compile("[\x00-\x08\x0b\x0e-\x19\x1b-\x1f]")
 def read_foreign_text(path: Path, what: str, size_limit: int) -> tuple[str, str]:
     """A file's text, and the name of its encoding where that is not UTF-8 ("" else).
 
-    `what` names the kind of file asked for. Raises InputError for a file that is missing, larger
-    than `size_limit` bytes, or not text.
+    `what` names the kind of file asked for, such as "mission". Raises InputError for a file that is
+    missing, larger than `size_limit` bytes, or not text.
     """
-    if path.is_dir():
-        raise InputError(f"{path}: is a directory. Name a {what}.")
-    try:
-        size = path.stat().st_size
-        if size > size_limit:
-            raise InputError(
-                f"{path}: has {size / 2**20:.0f} MiB, is larger than {size_limit / 2**20:.0f} MiB. "
-                "Split it into several missions."
-            )
-        data = path.read_bytes()
-    except FileNotFoundError:
-        raise InputError(f"{path}: cannot be read: no such file. Check its name.") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(
-            f"{path}: cannot be read: {reason}. Check its name and permissions."
-        ) from None
-    return decode(data, str(path), what)
+    return decode(read_data(path, InputError, what, size_limit), str(path), f"{what} file")
 
 
 def decode(data: bytes, name: str, what: str) -> tuple[str, str]:

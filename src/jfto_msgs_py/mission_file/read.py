@@ -53,7 +53,7 @@ def read_document(path: Path) -> MissionDocument:
 
 def _text(path: Path) -> tuple[str, tuple[str, ...]]:
     try:
-        text, encoding = read_foreign_text(path, "mission file", _LARGEST_BYTES)
+        text, encoding = read_foreign_text(path, "mission", _LARGEST_BYTES)
     except InputError as error:
         raise MissionTextError(str(error)) from None
     return text, (f"{path}: is not in UTF-8, read as {encoding.upper()}",) if encoding else ()

@@ -100,7 +100,7 @@ def read_waypoint_set(path: str | Path, dem: Dem) -> WaypointSet:
 def _of_text(path: Path, dem: Dem, notes: list[str]) -> list[RawWaypoint]:
     name, read = _TEXTS[path.suffix.lower()]
     try:
-        text, encoding = read_foreign_text(path, f"{name} file", _LARGEST_BYTES)
+        text, encoding = read_foreign_text(path, name, _LARGEST_BYTES)
     except InputError as error:
         raise WaypointError(str(error)) from None
     if not text.strip():

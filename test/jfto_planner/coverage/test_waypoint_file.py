@@ -130,7 +130,7 @@ def test_qgc_plan_frames_gimbal_and_surveys(tmp_path, dem):
 
 GOOD = "x_m,y_m,z_m\n0,0,50\n"
 BAD = {
-    "no file": ("none.csv", None, "cannot be read"),
+    "no file": ("none.csv", None, "no such file"),
     "suffix": ("w.kml", "<kml/>", "no known waypoint format"),
     "empty": ("w.csv", " \n", "empty"),
     "binary": ("w.csv", b"\xff\xfe\x00\x01", "UTF-8"),
