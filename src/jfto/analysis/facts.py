@@ -99,7 +99,7 @@ class FlightFacts:
         return (
             f"worst {self.worst_late_s:+.1f} s and {away}, "
             f"{100 * self.certificate.clean_share:.1f} % of slots clean{self.shifted}, "
-            f"{100 * self.throughput.ratio:.1f} % of the planned throughput"
+            f"{self.throughput.in_words}"
         )
 
     @property

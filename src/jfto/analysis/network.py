@@ -84,6 +84,13 @@ class PlannedAgainstFlown:
         """Achieved over planned; nan where nothing was planned."""
         return self.achieved_mbps / self.planned_mbps if self.planned_mbps else float("nan")
 
+    @property
+    def in_words(self) -> str:
+        """The ratio in words."""
+        if not self.planned_mbps:
+            return "no throughput planned"
+        return f"{100 * self.ratio:.1f} % of the planned throughput"
+
 
 def against_plan(planned: AlgorithmResult, network: FlownNetwork) -> PlannedAgainstFlown:
     """Means over slots 1 … N, or those of them that are on record."""
@@ -102,6 +109,8 @@ def _powers(flight: RecordedFlight, grid: FlownGrid) -> Array:
 
 
 def _linked_hops(links: Flags) -> float:
+    if links.shape[-1] == 1:
+        return 0.0
     hops = hop_counts(np.ascontiguousarray(links))
     reached = hops > 0
     return float(hops[reached].mean()) if reached.any() else float("inf")

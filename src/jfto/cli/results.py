@@ -97,6 +97,9 @@ def print_comparison(rows: list[tuple[str, Comparison]]) -> None:
     console.print(comparison_table(rows))
     for scene, comparison in rows:
         ratios = ratios_text(comparison, scene)
+        if not ratios:
+            console.print(f"{scene}: no algorithm has any link to compare", markup=False)
+            continue
         console.print(f"{scene}: C-TOP's throughput is {ratios}", markup=False)
         console.print(f"{scene}: {active_text(comparison)}", markup=False)
         for note in comparison.notes:

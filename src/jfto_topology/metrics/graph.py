@@ -27,18 +27,18 @@ def connectivity_rate(adjacency: Flags, first_slot: int, on_air: Flags | None = 
     Returns
     -------
     float
-        ξ, from 0 to 1.
+        ξ, from 0 to 1; 1 for a fleet of one, of which nobody is left to be cut off.
 
     Raises
     ------
     InputError
-        For one UAV, or a slot beyond the plan.
+        For a slot beyond the plan.
     """
     slots, uavs = adjacency.shape[:2]
     if not 0 <= first_slot < slots:
         raise InputError(f"first_slot is {first_slot}, must be from 0 to {slots - 1}.")
     if uavs < 2:
-        raise InputError("connectivity_rate needs at least 2 UAVs.")
+        return 1.0
     alive = np.ones((slots, uavs), dtype=np.bool_) if on_air is None else on_air
     survivors = np.repeat(alive[first_slot:, None, :], uavs, axis=1)
     survivors[:, np.arange(uavs), np.arange(uavs)] = False

@@ -80,11 +80,17 @@ def test_depleted_uavs_are_lost_too():
     assert connectivity_rate(RING, 0, np.zeros((1, 4), dtype=bool)) == 0
 
 
-@pytest.mark.parametrize(("adjacency", "slot"), [(PATH, 1), (PATH, -1), (graph(1), 0)])
+@pytest.mark.parametrize(("adjacency", "slot"), [(PATH, 1), (PATH, -1)])
 def test_connectivity_rate_refuses_what_it_cannot_mean(adjacency, slot):
-    """A slot beyond the plan and a fleet of one have no connectivity rate."""
+    """A slot beyond the plan has no connectivity rate."""
     with pytest.raises(InputError):
         connectivity_rate(adjacency, slot)
+
+
+def test_of_a_fleet_of_one_nobody_is_cut_off():
+    """Its metrics are numbers: ξ is 1, and there is no way to hop."""
+    assert connectivity_rate(graph(1), 0) == 1
+    assert average_hops(graph(1)) == 0
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)

@@ -24,27 +24,34 @@ Drawings = Mapping[str, Callable[[], Figure]]
 
 
 def plan_drawings(plan: Plan, comparison: Comparison, dem: Dem | None, slot: int) -> Drawings:
-    """What is drawn of a plan, by file stem; maps need the terrain and show links of one slot."""
+    """What is drawn of a plan, by file stem; maps need the terrain and show links of one slot.
+
+    A fleet of one has no links to draw.
+    """
     slot = min(slot, plan.slots.count)
-    drawings = {
-        "throughput": lambda: throughput_over_slots(plan, comparison),
-        "degree_energy": lambda: degree_and_energy(plan, comparison),
-    }
+    drawings: dict[str, Callable[[], Figure]] = {}
+    if len(plan.uavs) > 1:
+        drawings["throughput"] = lambda: throughput_over_slots(plan, comparison)
+        drawings["degree_energy"] = lambda: degree_and_energy(plan, comparison)
     if dem is not None:
         drawings["routes"] = lambda: route_map(plan, dem)
         drawings["flight"] = lambda: flight_profiles(plan, dem)
-        drawings["topology"] = lambda: topology_panels(plan, comparison, dem, slot)
+        if len(plan.uavs) > 1:
+            drawings["topology"] = lambda: topology_panels(plan, comparison, dem, slot)
     return drawings
 
 
 def flight_drawings(facts: FlightFacts, dem: Dem | None) -> Drawings:
-    """What is drawn of a flight, by file stem; the map needs the terrain."""
+    """What is drawn of a flight, by file stem; the map needs the terrain, links need two UAVs."""
     maps: Drawings = {} if dem is None else {"flown_map": lambda: flown_map(facts, dem)}
+    links: Drawings = {
+        "flown_certificate": lambda: flown_certificate(facts),
+        "flown_network": lambda: flown_network(facts),
+    }
     return {
         **maps,
         "flown_timing": lambda: flown_timing(facts),
-        "flown_certificate": lambda: flown_certificate(facts),
-        "flown_network": lambda: flown_network(facts),
+        **(links if len(facts.plan.uavs) > 1 else {}),
         "flown_events": lambda: flown_events(facts),
     }
 
