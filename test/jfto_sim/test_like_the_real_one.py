@@ -227,6 +227,18 @@ def test_a_low_voltage_must_last(pilots: Start):
     pilot.wait_mode(LAND)
 
 
+def test_a_vehicle_that_lost_its_station_is_not_armed(pilots: Start):
+    """FS_GCS_ENABLE 1: said on the ground too, and armed only once the heartbeats are back."""
+    pilot = pilots(FS_GCS_ENABLE=1)
+    pilot.ready()
+    pilot.beating = False
+    pilot.wait_text("GCS Failsafe", 15.0)
+    assert "Arm: GCS failsafe on" in refused_with(pilot)
+    pilot.beating = True
+    pilot.wait_text("GCS Failsafe Cleared", 10.0)
+    pilot.order(400, 1)
+
+
 # --- wind ---
 
 

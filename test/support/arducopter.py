@@ -51,13 +51,15 @@ class ArduCopter:
         program = binary()
         assert program is not None, "JFTO_ARDUCOPTER names no binary"
         folder.mkdir(parents=True)
-        (folder / "defaults.parm").write_text(_defaults(config.parameters))
+        (folder / "defaults.parm").write_text(
+            _defaults({"SYSID_THISMAV": config.sysid, **config.parameters})
+        )
         base = _free_base()
         place = (config.home_lat_deg, config.home_lon_deg, config.home_alt_m, config.heading_deg)
         command = [
             program, "--wipe", "--model", "+", "--speedup", f"{speedup:g}",
             "--home", ",".join(f"{value:.8f}" for value in place),
-            "--defaults", "defaults.parm", "--sysid", str(config.sysid),
+            "--defaults", "defaults.parm",
             "--base-port", str(base), "--rc-in-port", str(base + 5), "--instance", str(number),
             "--serial0", f"udpclient:{remote}" if remote else f"tcp:{LINK}",
             "--serial1", f"tcp:{PILOT}", "--serial2", "tcp:3",
