@@ -1,4 +1,4 @@
-"""Conversions between decibels and linear units."""
+"""Constants of nature, and conversions between decibels and linear units."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 SPEED_OF_LIGHT_MPS = 299_792_458.0
+GRAVITY_MPS2 = 9.80665
 
 
 @overload

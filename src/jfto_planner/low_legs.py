@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
-from jfto_msgs_py.types import Array, Flags
-
-GroundHeight = Callable[[Array, Array], Array]
+from jfto_msgs_py.types import Array, Flags, GroundHeight
 
 SPACING_M = 2.5
 # What rounded corners and the vehicle's own error may take from a straight leg's height.

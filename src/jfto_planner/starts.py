@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse.csgraph import connected_components
 
 from jfto_msgs_py.errors import InfeasibleError, InputError
-from jfto_msgs_py.types import Array, Ints
+from jfto_msgs_py.types import Array, GroundHeight, Ints
 from jfto_world.radio import degrees, pairwise_distances
-
-GroundHeight = Callable[[Array, Array], Array]
 
 # Pads are laid out a little further apart than asked, and starts chosen a little closer than the
 # radios reach, so that rounding and wind on the pad do not undo either.

@@ -8,7 +8,7 @@ import numpy as np
 
 from jfto_msgs_py.types import Array, Flags
 from jfto_msgs_py.units import ratio_to_db
-from jfto_topology.metrics.graph import components
+from jfto_topology.metrics import components
 from jfto_world.radio import Channel, pairwise_distances
 
 

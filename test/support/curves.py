@@ -9,11 +9,10 @@ from dataclasses import replace
 import numpy as np
 
 from jfto_msgs_py.types import Array
+from jfto_msgs_py.units import GRAVITY_MPS2
 from jfto_planner.smoothing import CurveLimits, Motion, Trajectory
 from jfto_planner.smoothing.separation import closest
 from jfto_world.motion import ConstantSpeed, MotionLimits
-
-GRAVITY_MPS2 = 9.80665
 
 
 def sampled(trajectory: Trajectory, per_segment: int) -> Motion:

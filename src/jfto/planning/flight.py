@@ -11,7 +11,7 @@ from jfto.planning.speeds import photo_cap_mps
 from jfto_msgs_py.plan_file import rounded_record
 from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.scenario import Scenario
-from jfto_msgs_py.types import Array
+from jfto_msgs_py.types import Array, GroundHeight
 from jfto_planner.routing import Estimated, RoutingProblem
 from jfto_planner.routing.assess import Routes, is_connected, route_points
 from jfto_planner.smoothing import (
@@ -24,7 +24,6 @@ from jfto_planner.smoothing import (
     kept_apart,
     smooth_fleet,
 )
-from jfto_planner.smoothing.terrain import GroundHeight
 from jfto_world.motion import TimeModel, time_model_named
 from jfto_world.radio import degrees, pairwise_distances
 

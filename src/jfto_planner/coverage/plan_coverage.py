@@ -15,9 +15,8 @@ from jfto_msgs_py.types import Array
 from jfto_planner.coverage.aim import aim
 from jfto_planner.coverage.camera import Camera
 from jfto_planner.coverage.certificate import CoverageCertificate, certify_coverage
-from jfto_planner.coverage.gaps import gap_centres
-from jfto_planner.coverage.lattice import surface_lattice
 from jfto_planner.coverage.settings import CoverageSettings
+from jfto_planner.coverage.targets import gap_centres, surface_lattice
 from jfto_world.terrain import CubicSurface, Dem
 
 # A photo from further away than this multiple of the wished distance does not count as coverage.

@@ -11,10 +11,10 @@ import numpy as np
 from jfto_msgs_py.plan_file import rounded_record
 from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.records.way_home import WayHome
-from jfto_msgs_py.types import Array, Ints
+from jfto_msgs_py.types import Array, GroundHeight, Ints
 from jfto_planner.home.departures import DepartureSearch
 from jfto_planner.home.flown_way import FlownWay, fly_way
-from jfto_planner.home.ways import GroundHeight, lines_home
+from jfto_planner.home.ways import lines_home
 
 # UAVs that are so early or late against one another still keep apart.
 APART_S = 2.0

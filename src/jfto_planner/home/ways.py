@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from jfto_msgs_py.plan_file import rounded_record
-from jfto_msgs_py.types import Array
+from jfto_msgs_py.types import Array, GroundHeight
 from jfto_world.motion.landing import LAND_FROM_M
-
-GroundHeight = Callable[[Array, Array], Array]
 
 # So near its pad a UAV only goes up and down; finer than the elevation models in use.
 COLUMN_M, SAMPLE_M = 3.0, 1.0

@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from jfto_msgs_py.errors import InfeasibleError
-from jfto_msgs_py.types import Array
+from jfto_msgs_py.types import Array, GroundHeight
 from jfto_planner.smoothing.limits import CurveLimits
 from jfto_planner.smoothing.separation import NeighbourCheck, separate
 from jfto_planner.smoothing.smooth import RouteRequest, SmoothingSettings, smooth_route
-from jfto_planner.smoothing.terrain import Clearance, GroundHeight, smooth_above
+from jfto_planner.smoothing.terrain import Clearance, smooth_above
 from jfto_planner.smoothing.trajectory import Trajectory
 
 

@@ -9,9 +9,8 @@ import numpy as np
 
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.types import Array
+from jfto_msgs_py.units import GRAVITY_MPS2
 from jfto_world.motion.time_model import MotionLimits
-
-GRAVITY_MPS2 = 9.80665
 
 
 @dataclass(frozen=True)

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from jfto_msgs_py.errors import InfeasibleError, InputError
-from jfto_msgs_py.types import Array, Flags
+from jfto_msgs_py.types import Array, Flags, GroundHeight
 from jfto_planner.smoothing.smooth import RouteRequest, SmoothingSettings, checked, smooth_route
 from jfto_planner.smoothing.trajectory import Trajectory
-
-GroundHeight = Callable[[Array, Array], Array]
 
 _ROUNDS = 15
 _SPARE_M = 0.5

@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from jfto_msgs_py.units import GRAVITY_MPS2
 from jfto_sim.geodesy import wrap_180, wrap_360
 from jfto_world.motion.arducopter.follower import (
     HEADING,
@@ -17,7 +18,7 @@ from jfto_world.motion.arducopter.follower import (
     follower_parameters,
     hover_state,
 )
-from jfto_world.motion.arducopter.wpnav import GRAVITY_MPS2, Airframe, WpNav
+from jfto_world.motion.arducopter.wpnav import Airframe, WpNav
 
 _YAW_LAG_S = 0.3
 _FALL_MPS2 = 6.2  # net downward acceleration measured with one motor at a fifth of its thrust

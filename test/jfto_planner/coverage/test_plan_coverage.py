@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from jfto_msgs_py.errors import InfeasibleError, InputError
 from jfto_msgs_py.records.plan import Origin
 from jfto_planner.coverage import Camera, CoverageSettings, plan_coverage
-from jfto_planner.coverage.lattice import surface_lattice
+from jfto_planner.coverage.targets import surface_lattice
 from jfto_world.terrain import CubicSurface, Dem, load_dem
 
 CAMERA = Camera(35.9, 24.0, 24.0, 8192, 5460)

@@ -16,8 +16,8 @@ from jfto_msgs_py.errors import PlanError
 from jfto_msgs_py.records.certificate import Violation
 from jfto_msgs_py.records.plan import Plan, Uav
 from jfto_msgs_py.types import Array
+from jfto_msgs_py.units import GRAVITY_MPS2
 
-GRAVITY_MPS2 = 9.80665
 SAMPLES = 40
 # Control points are rounded to micrometres in a plan file, derivatives are coarser for it.
 TOLERANCE_M = 1e-3

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from jfto_msgs_py.types import Array
+from jfto_msgs_py.types import GroundHeight
 from jfto_planner.routing.assess import Routes, assess
 from jfto_planner.routing.problem import MOST_UAVS, RoutingProblem
 from jfto_planner.routing.search import SearchResult, search
@@ -23,7 +23,6 @@ from jfto_planner.routing.suggestions.changes import (
 )
 from jfto_world.radio import pairwise_distances
 
-GroundHeight = Callable[[Array, Array], Array]
 Progress = Callable[[float, str], None]
 
 # Effort of one trial, halvings of the antenna gain, and how far start points are drawn together.

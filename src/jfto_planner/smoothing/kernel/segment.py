@@ -11,11 +11,11 @@ import math
 import numpy as np
 
 from jfto_msgs_py.types import Array
+from jfto_msgs_py.units import GRAVITY_MPS2
 from jfto_world.compiled import inner, kernel
 
 # columns of a limits row
 SPEED, CLIMB, DESCENT, ACCEL, ACCEL_Z, JERK, TILT_TAN, DRAG = 0, 1, 2, 3, 4, 5, 6, 7
-GRAVITY_MPS2 = 9.80665
 
 SCAN = 1.02  # step of the scan over durations
 

@@ -10,8 +10,9 @@ import math
 import numpy as np
 
 from jfto_msgs_py.types import Array
+from jfto_msgs_py.units import GRAVITY_MPS2
 from jfto_world.compiled import inner, kernel
-from jfto_world.motion.arducopter.wpnav import GRAVITY_MPS2, Airframe, WpNav
+from jfto_world.motion.arducopter.wpnav import Airframe, WpNav
 
 POSITION, VELOCITY = 0, 3  # 3 each, ENU
 THRUST = 6  # horizontal acceleration asked of the tilt, lagged, 2

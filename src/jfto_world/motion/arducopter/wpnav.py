@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass, fields, replace
 
 from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.units import GRAVITY_MPS2
 from jfto_world.motion.time_model import MotionLimits
 
-GRAVITY_MPS2 = 9.80665
 _THRUST_ROUNDS = 30
 
 

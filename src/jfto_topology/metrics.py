@@ -1,12 +1,14 @@
-"""Who hears whom: components, also when one UAV drops out, and hops."""
+"""Numbers by which topologies are compared: components, hops, throughput and energy."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.types import Flags, Ints
+from jfto_msgs_py.records.radio import Radio
+from jfto_msgs_py.types import Array, Flags, Ints
 from jfto_world.compiled import kernel
+from jfto_world.radio import rate_bps
 
 
 def connectivity_rate(adjacency: Flags, first_slot: int, on_air: Flags | None = None) -> float:
@@ -167,3 +169,45 @@ def _walk(adjacency: Flags, hops: Ints, queue: Ints) -> None:
                         hops[m, origin, b] = hops[m, origin, a] + 1
                         queue[tail] = b
                         tail += 1
+
+
+def slot_throughput(adjacency: Flags, gain: Array, power_w: Array, radio: Radio) -> Array:
+    """Network throughput of each slot in bit/s, (M,).
+
+    Each linked unordered pair counts with the mean of its two directions: half duplex, equal
+    shares.
+
+    Parameters
+    ----------
+    adjacency, gain
+        Links and linear gains (M, A, A).
+    power_w
+        Powers (M, A) in W.
+    radio
+        Bandwidth and noise.
+
+    Returns
+    -------
+    Array
+        (M,), bit/s.
+    """
+    rate = np.where(adjacency, rate_bps(radio, power_w[:, :, None], gain), 0.0)
+    return rate.sum(axis=(1, 2)) / 2
+
+
+def energy_used(power_w: Array, slot_duration_s: float) -> Array:
+    """Σ_{n=1..N} p Δt of each UAV (P0emax).
+
+    Parameters
+    ----------
+    power_w
+        p (N + 1, A), W.
+    slot_duration_s
+        Δt, s.
+
+    Returns
+    -------
+    array of float
+        (A,), J.
+    """
+    return power_w[1:].sum(axis=0) * slot_duration_s
