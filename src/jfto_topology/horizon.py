@@ -110,9 +110,9 @@ class TopologyHorizon:
             return False
         wait_ns = round(self.settings.pose_wait_s * 1e9)
         late = set(self._late(begin_ns, now_ns)) - self._given_up
-        if not late and len(self.prediction.uav_ids) - len(self._given_up) >= _LEAST_UAVS:
+        if not late and len(self.prediction.uav_ids) - len(self._given_up) >= self._least:
             return True
-        if len(self._fresh(now_ns)) >= _LEAST_UAVS:
+        if len(self._fresh(now_ns)) >= self._least:
             self._few_since_ns = None
             return now_ns >= begin_ns + wait_ns
         if now_ns < begin_ns + wait_ns:
@@ -128,10 +128,10 @@ class TopologyHorizon:
         measured before are predicted from what was known last.
         """
         uav_ids = self._fresh(now_ns)
-        blind = len(uav_ids) < _LEAST_UAVS
+        blind = len(uav_ids) < self._least
         if blind:
             uav_ids = self._measured(now_ns)
-        if len(uav_ids) < _LEAST_UAVS:
+        if not uav_ids or len(uav_ids) < self._least:
             return None
         lag_s = self._lag_s(now_ns)
         late = self._late(self.next_ns(now_ns), now_ns)
@@ -161,6 +161,11 @@ class TopologyHorizon:
             lag_s,
             self._clock.shift_s,
         )
+
+    @property
+    def _least(self) -> int:
+        """How many must be heard for a topology to be of what is there: of a fleet of one, it."""
+        return min(_LEAST_UAVS, len(self.prediction.uav_ids))
 
     def _fresh(self, now_ns: int) -> tuple[str, ...]:
         return self.prediction.fresh(now_ns, self.settings.stale_after_s)

@@ -108,3 +108,16 @@ def test_settings_that_make_no_sense_are_refused(values) -> None:
     good = {"slot_count": 10, "slot_duration_s": 2.0, "pose_wait_s": 0.5}
     with pytest.raises(InputError):
         HorizonSettings(**(good | values))
+
+
+def test_a_fleet_of_one_has_a_topology_without_links() -> None:
+    """It is solved as it is heard: power and slots go on, there is only nobody to hear."""
+    horizon = _horizon(1, k_min=0)
+    _measure(horizon, 2.1, range(1))
+    assert horizon.due(at(2.2))
+    found = horizon.solve(at(2.2))
+    assert found is not None
+    assert not found.blind
+    assert not found.adjacency.links.any()
+    assert found.topology.connected.all()
+    assert (found.intervals.bounds_w[..., 0] == 0).all()

@@ -15,7 +15,8 @@ def about_fleet(core: TopologyCore, facts: Facts) -> Status:
     if missing:
         return Status("", WARN, f"waiting for trajectories of {', '.join(missing)}", facts)
     if last is None:
-        return Status("", WARN, "fewer than two UAVs have a fresh pose", facts)
+        few = "fewer than two UAVs have a" if len(core.uav_ids) > 1 else "the UAV has no"
+        return Status("", WARN, f"{few} fresh pose", facts)
     first = last.adjacency.horizon.first
     facts = facts | {"last_slot": str(first), "slot_shift_s": f"{last.shift_s:.2f}"}
     if last.lag_s is not None:
