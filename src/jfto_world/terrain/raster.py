@@ -24,6 +24,16 @@ def apply_affine(affine: Affine, x: Array, y: Array) -> tuple[Array, Array]:
     )
 
 
+# Projections whose eastings are proportional to longitude.
+_CYLINDERS = (
+    "Popular Visualisation Pseudo Mercator",
+    "Mercator (variant A)",
+    "Mercator (variant B)",
+    "Equidistant Cylindrical",
+    "Equidistant Cylindrical (Spherical)",
+)
+
+
 def around(values: Array, middle: float, turn: float) -> Array:
     """Angles of any shape brought within half a turn of `middle`."""
     near = np.abs(values - middle) <= turn / 2
@@ -56,20 +66,26 @@ class Raster:
     def cells(self, lat_deg: Array, lon_deg: Array) -> tuple[Array, Array]:
         """Columns and rows, fractional, counted from the first cell's centre."""
         easting, northing = map(np.asarray, self.placing.transformer.transform(lon_deg, lat_deg))
-        if self.crs.is_geographic:
-            easting = around(easting, self._middle[0], self.turn)
+        if self.turn:
+            easting = around(easting, float(self._middle[0]), self.turn)
         columns, rows = apply_affine(~self.transform, easting, northing)
         return columns - 0.5, rows - 0.5
 
     @property
-    def _middle(self) -> tuple[float, float]:
+    def _middle(self) -> tuple[Array, Array]:
         rows, columns = self.shape
-        return self.transform @ (columns / 2, rows / 2)
+        return apply_affine(self.transform, np.array(columns / 2), np.array(rows / 2))
 
-    @property
+    @cached_property
     def turn(self) -> float:
-        """A whole turn in the units of a geographic CRS."""
-        return 2 * math.pi / self.crs.axis_info[0].unit_conversion_factor
+        """A whole turn of the globe in units of the CRS, 0 where its eastings do not repeat."""
+        if self.crs.is_geographic:
+            return 2 * math.pi / self.crs.axis_info[0].unit_conversion_factor
+        operation = self.crs.coordinate_operation
+        if operation is None or operation.method_name not in _CYLINDERS:
+            return 0.0
+        eastings, _ = self.placing.transformer.transform([0.0, 1.0], [0.0, 0.0])
+        return 360.0 * abs(eastings[1] - eastings[0])
 
     def _bounds_deg(self) -> tuple[float, float, float, float]:
         """West, south, east and north, roughly: on the raster's own datum."""

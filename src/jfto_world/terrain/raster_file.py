@@ -198,7 +198,13 @@ def _crs(dataset: rasterio.DatasetReader, path: Path) -> CRS:
             "gdal_edit.py -a_srs EPSG:…"
         )
     try:
-        return CRS.from_wkt(dataset.crs.to_wkt())
+        found = CRS.from_wkt(dataset.crs.to_wkt())
+        if found.geodetic_crs is not None:
+            return found
+        raise TerrainError(
+            f"{path} is in a local system ({found.name}), which says nothing of where on earth it "
+            "lies. Give it its place with gdal_edit.py -a_srs EPSG:…."
+        )
     except CRSError as error:
         raise TerrainError(
             f"{path} has a coordinate system that PROJ does not know ({error}). "

@@ -12,7 +12,7 @@ from affine import Affine
 from jfto_msgs_py.errors import TerrainError
 from jfto_msgs_py.types import Array
 from jfto_world.terrain.height_reference import DeclaredHeights
-from jfto_world.terrain.raster import Raster, around
+from jfto_world.terrain.raster import Raster, apply_affine, around
 from jfto_world.terrain.raster_file import FORMATS, kind_of, open_raster
 
 _PACKED = (".zip", ".gz")
@@ -68,9 +68,16 @@ def _joined(tiles: Sequence[Raster], folder: Path) -> Raster:
         first,
         name=f"{folder} ({len(tiles)} tiles)",
         shape=shape,
-        transform=first.transform @ Affine.translation(left, top),
+        transform=_moved(first.transform, left, top),
         read=read,
     )
+
+
+def _moved(transform: Affine, columns: int, rows: int) -> Affine:
+    """The transform of a raster that begins so many cells on."""
+    x, y = apply_affine(transform, np.array(columns), np.array(rows))
+    a, b, _, d, e, _ = transform[:6]
+    return Affine(a, b, float(x), d, e, float(y))
 
 
 def _offset(first: Raster, tile: Raster) -> tuple[int, int]:
@@ -86,9 +93,9 @@ def _offset(first: Raster, tile: Raster) -> tuple[int, int]:
             )
     same_cell = np.allclose(first.transform[:6:4], tile.transform[:6:4], rtol=1e-6)
     x, y = tile.transform.c, tile.transform.f
-    if first.crs.is_geographic:
+    if first.turn:
         x = float(around(np.asarray(x), first.transform.c, first.turn))
-    column, row = ~first.transform @ (x, y)
+    column, row = map(float, apply_affine(~first.transform, np.array(x), np.array(y)))
     if not same_cell or max(abs(column - round(column)), abs(row - round(row))) > _ALIGNED:
         raise TerrainError(
             f"{tile.name} has other cells than {first.name}: they are not tiles of one model. "

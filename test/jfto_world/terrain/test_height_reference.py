@@ -123,6 +123,29 @@ def test_longitudes_of_any_turn(tmp_path, west):
         load_dem(path, center=(-17.0, 170.0), size_m=SIZE)
 
 
+def test_the_date_line_runs_through_a_web_map(tmp_path):
+    """Eastings of a cylinder projection go on beyond the end of the map."""
+    path = write(
+        tmp_path / "m.tif", crs="EPSG:3857", west=20_037_000.0, north=-1_900_000.0, cell=10
+    )
+    dem = load_dem(path, center=None, size_m=(1000.0, 1000.0))
+    assert dem.origin.lon_deg < -179
+    assert dem.origin.alt_m == pytest.approx(1239, abs=0.5)
+
+
+def test_a_local_system_and_an_own_shift(tmp_path):
+    """A site's own grid lies nowhere; a shift that the file itself gives is used."""
+    path = write(
+        tmp_path / "l.tif", crs='LOCAL_CS["site",UNIT["metre",1]]', west=0, north=0, cell=9
+    )
+    with pytest.raises(TerrainError, match="local system"):
+        load_dem(path, center=None, size_m=SIZE)
+    shifted = "+proj=longlat +ellps=krass +towgs84=15.8,-154.4,-82.3 +no_defs"
+    path = write(tmp_path / "k.tif", crs=shifted, west=103.9, north=33.0)
+    dem = load_dem(path, center=None, size_m=SIZE)
+    assert dem.origin.lon_deg - 104.0 == pytest.approx(0.00024, abs=0.0001)
+
+
 @pytest.mark.parametrize(("code", "datum"), [(4610, "Xian 1980"), (4214, "Beijing 1954")])
 def test_old_datums_without_a_shift_are_refused(tmp_path, code, datum):
     """PROJ would take their degrees for WGS-84, unsaid."""
