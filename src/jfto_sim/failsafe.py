@@ -188,7 +188,7 @@ class Failsafes:
         fence, armed = self.fence, self.flight.motors.armed
         before, new = fence.breached, 0
         if self.flight.position.known:
-            new = fence.check()
+            new = fence.check(self.flight.clock.time_s)
         if new and not before:
             self.fence_count += 1
             self.fence_time_s = self.flight.clock.time_s

@@ -287,6 +287,7 @@ class Vehicle:
         self.key.install(bytes(m.secret_key[:_KEY_BYTES]), m.initial_timestamp)
 
     def _announce_mode(self) -> None:
+        self.fence.mode_changed(self.clock.time_s)
         self.ports.broadcast(self.telemetry.heartbeat(), everywhere=True)
 
     def _terrain_missing(self) -> None:

@@ -70,7 +70,7 @@ def test_a_ceiling_turns_a_mission_home(pilots: Start):
 
 
 def test_a_circle_turns_a_mission_home_and_calls_back_who_goes_on(pilots: Start):
-    """FENCE_RADIUS: RTL at once; back to AUTO outside is allowed until 20 m farther out."""
+    """FENCE_RADIUS: RTL at once; who goes back to AUTO outside has 10 s, then RTL again."""
     pilot = pilots(FENCE_ENABLE=1, FENCE_TYPE=2, FENCE_RADIUS=40)
     pilot.take_off(15.0)
     fly_mission(pilot, (0.0, 300.0, 15.0))
@@ -78,8 +78,9 @@ def test_a_circle_turns_a_mission_home_and_calls_back_who_goes_on(pilots: Start)
     assert math.hypot(*pilot.place_m) == pytest.approx(41.0, abs=3.0)
     pilot.wait_mode(RTL)
     pilot.order(176, 1, AUTO)
+    again_s = pilot.now_s
     pilot.wait_text("Fence Breached", 60.0)
-    assert math.hypot(*pilot.place_m) == pytest.approx(63.0, abs=5.0)
+    assert pilot.now_s - again_s == pytest.approx(10.0, abs=1.0)
     pilot.wait_mode(RTL)
 
 

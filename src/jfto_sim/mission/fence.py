@@ -12,6 +12,7 @@ from jfto_sim.position import Position
 POLYGON_IN, POLYGON_OUT, CIRCLE_IN, CIRCLE_OUT, RETURN_POINT = 5001, 5002, 5003, 5004, 5000
 _CORNERS_MIN, _CORNERS_MAX = 3, 255
 ALT_MAX, CIRCLE, POLYGON, ALT_MIN = 1, 2, 4, 8
+_RECOVERY_S = 10.0
 _AGAIN_M, _LOWEST_M, _FLOOR_OFF = 20.0, -100.0, 2.0
 
 
@@ -52,6 +53,7 @@ class Fence:
     position: Position
     floor: bool = False
     breached: int = 0
+    unwatched_until_s: float = 0.0
     beyond_m: float = 0.0
     _again_at_m: dict[int, float] = field(default_factory=dict)
 
@@ -94,12 +96,19 @@ class Fence:
             return False
         return not (self.enabled & POLYGON and self._outside_figures(place_m))
 
-    def check(self) -> int:
+    def mode_changed(self, now_s: float) -> None:
+        """Whoever changes the mode outside a fence is given 10 s to bring the vehicle back."""
+        if self.breached:
+            self.unwatched_until_s = now_s + _RECOVERY_S
+
+    def check(self, now_s: float) -> int:
         """Look where the vehicle is; the mask of fences newly crossed.
 
         A ceiling, floor or circle is crossed anew every 20 m farther out.
         """
         p, enabled = self.params, self.enabled
+        if enabled and now_s < self.unwatched_until_s:
+            return 0
         east, north, up = self.position.from_home_m
         beyond = {
             ALT_MAX: up - p["FENCE_ALT_MAX"],
