@@ -96,10 +96,10 @@ def test_waypoints_in_a_file_are_an_input(tiny: Path, tmp_path: Path) -> None:
         assert Pipeline(loaded, tmp_path / "run", told).plan().plan.clean
         return told
 
-    assert stages().worked == {"coverage", "routes"}
+    assert stages().worked == {"coverage", "routes", "way home"}
     assert stages().kept == {"routes"}
     file.write_text("id,lat,lon,alt\n" + "".join(rows[:-1]))
-    assert stages().worked == {"coverage", "routes"}
+    assert stages().worked == {"coverage", "routes", "way home"}
 
 
 def test_a_damaged_memory_makes_everything_anew(tiny: Path, directory: Path) -> None:
