@@ -7,6 +7,7 @@ import signal
 from pathlib import Path
 
 from jfto_msgs_py.ros.installation import require_ros
+from support.domains import OWN
 from support.vehicles import pilots, vehicles
 
 __all__ = ["pilots", "vehicles"]
@@ -14,9 +15,7 @@ __all__ = ["pilots", "vehicles"]
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
 os.environ["RCUTILS_COLORIZED_OUTPUT"] = "0"
-# Workers of one run have one parent. Domains above 101 would take ports that Linux gives to others.
-_WORKER = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
-os.environ["ROS_DOMAIN_ID"] = str(1 + (os.getppid() * 8 + _WORKER) % 100)
+os.environ["ROS_DOMAIN_ID"] = str(OWN)
 # Commands that tests start find the same code.
 _SOURCE = str(Path(__file__).parents[1] / "src")
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [_SOURCE, os.environ.get("PYTHONPATH")]))

@@ -24,6 +24,7 @@ import pytest
 from jfto.bag.reader import Bag
 from jfto.bag.replay import replay_bag
 from jfto_msgs_py.ros import topics
+from support.domains import next_domain
 
 ROOT = Path(__file__).parents[2]
 pytestmark = pytest.mark.slow
@@ -89,7 +90,7 @@ def flown(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any
     environment = {
         **os.environ,
         "PYTHONPATH": str(ROOT / "src"),
-        "ROS_DOMAIN_ID": str(os.getpid() % 100 + 1),
+        "ROS_DOMAIN_ID": str(next_domain()),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
     }
     flight = subprocess.Popen(

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-import os
 import time
 
 import rclpy
@@ -14,13 +12,13 @@ from rosgraph_msgs.msg import Clock
 
 from jfto_msgs_py.ros.run_node import make_executor
 from jfto_msgs_py.ros.stamps import encode_time
+from support.domains import next_domain
 from support.fleets import START_NS
 
 # Under load a message can be late by seconds; what does not come at all must still end.
 LIMIT_S = 90.0
 # More than there are timers and messages under way.
 _DUE = 30
-_count = itertools.count(os.getpid() * 7)
 
 # Three UAVs within reach of each other, ten slots.
 SCENARIO = {
@@ -41,7 +39,7 @@ class Graph:
 
     def __init__(self, *, answers_later: bool = True) -> None:
         self.context = Context()
-        rclpy.init(args=[], context=self.context, domain_id=next(_count) % 100 + 1)
+        rclpy.init(args=[], context=self.context, domain_id=next_domain())
         self.executor = make_executor(answers_later=answers_later, context=self.context)
         self.observer = Node("observer", context=self.context)
         self.executor.add_node(self.observer)

@@ -23,6 +23,7 @@ from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.network import decode_power_schedule
 from jfto_msgs_py.ros.stamps import decode_time
 from jfto_msgs_py.ros.vehicle import decode_pose
+from support.domains import next_domain
 from support.graph import Graph
 
 # Processes take long to start where other tests run beside them.
@@ -140,7 +141,7 @@ def test_simulated_vehicles_fly_in_the_graph_and_are_recorded(tiny, tmp_path) ->
 @pytest.mark.slow
 def test_nodes_end_with_a_killed_supervisor(tiny, tmp_path) -> None:
     """Killed with -9 it leaves no node behind."""
-    process = _up(5, tiny, tmp_path)
+    process = _up(next_domain(), tiny, tmp_path)
     end = time.monotonic() + LIMIT_S
     status = tmp_path / "status.json"
     while not status.exists():
@@ -166,7 +167,7 @@ def _is_running(pid: int) -> bool:
 def test_a_node_with_bad_parameters_ends_the_graph(tiny, tmp_path) -> None:
     """The status tells which node was given up, and its last words are shown."""
     (tmp_path / "energy.json").write_text("{}")
-    process = _up(3, tiny, tmp_path)
+    process = _up(next_domain(), tiny, tmp_path)
     output, _ = process.communicate(timeout=LIMIT_S)
     assert process.returncode == 12, output
     assert "is no energy account" in output
@@ -178,7 +179,7 @@ def test_a_node_ends_cleanly_on_a_signal(tmp_path, number) -> None:
     source = Path(__file__).parents[3] / "src"
     process = subprocess.Popen(
         [sys.executable, "-m", "jfto.nodes", "topology_node"],
-        env={**os.environ, "PYTHONPATH": str(source), "ROS_DOMAIN_ID": "4"},
+        env={**os.environ, "PYTHONPATH": str(source), "ROS_DOMAIN_ID": str(next_domain())},
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
