@@ -22,7 +22,7 @@ from jfto_msgs_py.records.event import ERROR, Event
 from jfto_msgs_py.records.vehicle import TimedTrajectory
 from jfto_world.terrain.frame import LocalFrame
 
-SPEEDUP = 6.0
+SPEEDUP = 5.0
 EPOCH_NS = 1_763_776_800 * 10**9
 # A busy computer stalls for tenths of a second, which are seconds of sped-up time.
 PATIENT = GuidedSettings(stalled_s=20.0)
@@ -186,10 +186,9 @@ def test_a_bridge_that_died_is_followed_by_one_that_goes_on(field):
     # Killed: it sends nothing any more, and does nothing else either.
     for scheduler in died._schedulers.values():
         scheduler.leave("killed")
-    assert wait(
-        lambda: field.orders.streaming("uav1") == field.orders.streaming("uav2") == "killed"
-    )
-    field.state_file.with_name("guided_flight.json").write_text(
+    kept = field.state_file.with_name("guided_flight.json")
+    assert wait(lambda: json.loads(kept.read_text())["over"])
+    kept.write_text(
         json.dumps(
             {"format": "jfto-guided-flight", "version": 1, "zero_ns": died.progressed().zero_ns,
              "at_ns": field.now_ns(), "elapsed_s": field.along_s(), "paused": False, "over": False}
@@ -213,10 +212,9 @@ def test_a_bridge_that_knows_nothing_of_a_flight_calls_it_home(field):
     assert wait(lambda: field.along_s() > 20.0)
     for scheduler in field.orders._schedulers.values():
         scheduler.leave("killed")
-    assert wait(
-        lambda: field.orders.streaming("uav1") == field.orders.streaming("uav2") == "killed"
-    )
-    field.state_file.with_name("guided_flight.json").unlink()
+    kept = field.state_file.with_name("guided_flight.json")
+    assert wait(lambda: json.loads(kept.read_text())["over"])
+    kept.unlink()
     field.orders = field.bridge()
     field.orders.pick_up()
     assert field.modes() == {"RTL"}
