@@ -25,6 +25,7 @@ COMMANDS = {
     "report": "Rebuild the figures and the report of a run.",
     "mission": "Missions for ArduPilot: files, upload, verification.",
     "up": "The ROS 2 node graph of a scenario, without launch files.",
+    "preflight": "Hold a plan against the vehicles that are to fly it.",
     "fly": "Fly a plan with real or simulated vehicles.",
     "sim": "Simulated ArduCopter vehicles on TCP and UDP.",
     "train": "Train the learned planner RL-TP.",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from jfto_mavlink.fleet.link import FleetLink
     from jfto_mavlink.protocol.item import Mission
 
-_vehicles_option = vehicles_option(scenario=False, required=True)
+_vehicles_option = vehicles_option(required=True)
 FORMATS = {"plan": ".plan", "waypoints": ".waypoints"}
 
 
@@ -294,15 +295,23 @@ def _link(
 ) -> AbstractContextManager[FleetLink]:
     """Links to the vehicles of a command line; simulated ones stand on the pads of the plan."""
     from jfto.flight.fleet_link import open_fleet
+    from jfto.planning.scenario_of_plan import load_scenario_for
+    from jfto.supervision.vehicles import FROM_SCENARIO, named
     from jfto_msgs_py.plan_file import read_plan
 
+    texts: Sequence[str] = roster_texts(choices["vehicles"])
+    section: Mapping[str, object] = {}
+    if plan_file is not None and tuple(texts) == (FROM_SCENARIO,):
+        section = load_scenario_for(plan_file).node_options.get("mavlink_bridge", {})
+    texts, endpoints = named(texts, section)
     return open_fleet(
-        roster_texts(choices["vehicles"]),
+        texts,
         None if plan_file is None else read_plan(plan_file),
         speedup=choices.get("speedup", 1.0),
         key_file=choices["key_file"],
         complete=complete,
         uavs=uavs,
+        endpoints=endpoints,
     )
 
 

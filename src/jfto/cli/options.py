@@ -22,10 +22,9 @@ PATH = click.Path(path_type=Path)
 
 _FORMS = (
     "sim or sim:N: simulated ones. LINK: vehicles with system ids 1, 2 …, all on one link or each "
-    "on its own (udpin:, udpout:, tcp:, serial:). UAV=SYSID@LINK[#UID] per vehicle. {}May be "
-    "repeated or separated by commas."
+    "on its own (udpin:, udpout:, tcp:, serial:). UAV=SYSID@LINK[#UID] per vehicle. roster: "
+    "those of the scenario's section mavlink_bridge. May be repeated or separated by commas."
 )
-_FROM_SCENARIO = "roster: those of the scenario's section mavlink_bridge. "
 
 scenario_argument = click.argument("scenario", type=PATH)
 set_option = click.option(
@@ -111,10 +110,9 @@ def load(
     return load_scenario(scenario, (*overrides, *seeding, *choosing))
 
 
-def vehicles_option(*, scenario: bool = True, **settings: Any) -> Callable[[Function], Function]:
-    """Option --vehicles; with `scenario` that may name them too. `settings` are click's."""
-    text = _FORMS.format(_FROM_SCENARIO if scenario else "")
-    return click.option("--vehicles", metavar="WHO", multiple=True, help=text, **settings)
+def vehicles_option(**settings: Any) -> Callable[[Function], Function]:
+    """Option --vehicles; `settings` are click's."""
+    return click.option("--vehicles", metavar="WHO", multiple=True, help=_FORMS, **settings)
 
 
 def roster_texts(vehicles: tuple[str, ...]) -> list[str]:

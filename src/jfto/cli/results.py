@@ -135,17 +135,22 @@ def _say_bag(path: Path, progress: Progress) -> None:
 
 
 def print_run(loaded: LoadedScenario, run: Run, end: FlightEnd | None, *, as_json: bool) -> None:
-    """The comparison at the desk, what is infeasible, and where the report lies."""
-    assert run.comparison is not None
-    scene = loaded.scenario.evaluation.paper_scene
+    """The comparison at the desk, what is infeasible, and where the report lies.
+
+    After a dry run, which makes neither, where the plan lies.
+    """
+    scene, compared = loaded.scenario.evaluation.paper_scene, run.comparison
     if as_json:
         facts = plan_facts(run.plan, str(run.plan_path), run.cures)
-        facts["comparison"] = comparison_object(run.plan, run.comparison, scene)
+        facts["comparison"] = compared and comparison_object(run.plan, compared, scene)
         facts["flight"] = None if end is None else _flight_facts(run, end)
-        facts["report"] = str(run.report)
+        facts["report"] = run.report and str(run.report)
         print_json(facts)
         return
-    print_comparison([("this scene" if scene == "none" else scene, run.comparison)])
+    if compared is None:
+        click.echo(f"Plan        {run.plan_path}")
+        return
+    print_comparison([("this scene" if scene == "none" else scene, compared)])
     if not run.plan.clean:
         print_infeasible(run.plan, str(run.plan_path), run.cures)
     click.echo(f"Report      {run.report}")

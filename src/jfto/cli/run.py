@@ -147,7 +147,9 @@ def run(loaded: LoadedScenario, plan_file: Path | None, choices: dict[str, Any])
             if vehicles is not None and planned.plan.clean:
                 _require_flight_times(planned.plan.time_model)
                 flight = _fly(loaded, planned, vehicles, choices, progress)
-            finished = pipeline.report(planned)
+            # A dry run draws nothing: what lies there from before still holds.
+            dry = flight is not None and choices["until"] is not None
+            finished = planned if dry else pipeline.report(planned)
         except KeyboardInterrupt:
             state = "" if flight is None else f" {flight.outcome.text}"
             progress.console.hide()

@@ -16,6 +16,8 @@ GOOD, BAD, WARNING, NOTE = (
     "[green]·[/green]",
 )
 
+TABLE_WIDTH = 130
+
 
 class Console:
     """What a command says while it works; use it as a context manager.
@@ -48,6 +50,12 @@ class Console:
     def line(self, text: str, mark: str = "") -> None:
         """A line that stays, behind one of the marks above; long ones are not broken."""
         self.rich.print(f"{mark} {escape(text)}" if mark else escape(text), soft_wrap=True)
+
+    def table(self, what: RenderableType) -> None:
+        """A table that stays; off a terminal it is as wide as reads well in a file."""
+        if not self.rich.is_terminal:
+            self.rich.width = max(self.rich.width, TABLE_WIDTH)
+        self.rich.print(what)
 
     def show(self, what: RenderableType, *, screen: bool = False) -> None:
         """Draw `what` below the lines, in place of what was there; nothing off a terminal.

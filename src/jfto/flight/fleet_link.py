@@ -30,17 +30,18 @@ def open_fleet(
     key_file: Path | None = None,
     complete: bool = True,
     uavs: Sequence[str] = (),
+    endpoints: Sequence[str] = (),
 ) -> Iterator[FleetLink]:
     """Links to a fleet, once all of it has reported.
 
     `vehicles` is ("sim",), whose vehicles stand on the pads of the plan and run `speedup` times
     faster than the clock, or links or entries of a roster as `parse_vehicles` takes them. With
     `complete` off, real vehicles that are silent are no reason to stop: the others can still be
-    called home. Links without a plan are those of `uavs`. Raises RosterError, LinkError,
-    SigningError.
+    called home. Links without a plan are those of `uavs`; `endpoints` are those of entries
+    without one. Raises RosterError, LinkError, SigningError.
     """
     uavs = uavs if plan is None else tuple(uav.id for uav in plan.uavs)
-    roster = parse_vehicles(vehicles, uavs)
+    roster = parse_vehicles(vehicles, uavs, endpoints)
     if roster is None:
         if key_file is not None:
             raise RosterError(201, "simulated vehicles start without a key; leave --key out.")

@@ -19,10 +19,12 @@ from jfto.flight.keys import ORDERS, Keys
 from jfto.flight.outcome import Outcome
 from jfto.flight.screen.state import FlightState
 from jfto.flight.screen.tracker import FlightTracker
-from jfto.flight.settings import ConductSettings
+from jfto.flight.settings import LANDED, ConductSettings
 from jfto.pipeline.directory import LOG_NAME
+from jfto.supervision.graph_table import PARAMETERS_NAME, PREFLIGHT_NAME
 from jfto.supervision.process import RESTARTS, NodeCommand
 from jfto.supervision.supervisor import Death, Supervisor
+from jfto_mavlink.preflight.page import Preflight, read_page
 from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.ros.installation import require_ros
 
@@ -32,6 +34,8 @@ if TYPE_CHECKING:
 _LOOK_S = 0.2
 _SHOW_EVERY_S = 0.5
 _LAST_EVENTS_S = 3.0
+# A dozen parameters per vehicle over a poor link.
+_PARAMETERS_S = 30.0
 _FORGOTTEN_S = 30.0
 # Without one of these there is no flight; the rest is started again for as long as it lasts.
 ESSENTIAL = ("mavlink_bridge", "simulated_fleet")
@@ -49,6 +53,9 @@ class Operator(Protocol):
 
         `idle` takes a fraction of a second, in which the graph is listened to.
         """
+
+    def page(self, page: Preflight) -> None:
+        """What the checks before arming came to."""
 
     def show(self, state: FlightState) -> None:
         """How everything stands, twice a second from the start on."""
@@ -88,6 +95,8 @@ def fly(job: FlightJob, operator: Operator) -> FlightEnd:
     tracker = FlightTracker(job.plan, job.title)
 
     def answered(verb: str, success: bool, text: str) -> None:
+        if _tells_checks(job, verb, success=success):
+            _show_page(job, operator)
         conductor.answered(verb, success=success, text=text)
 
     with (
@@ -104,6 +113,20 @@ def fly(job: FlightJob, operator: Operator) -> FlightEnd:
         _supervised(job) as graph,
     ):
         return _Loop(job, operator, conductor, tracker, client, graph, (interrupts, keys)).run()
+
+
+def _tells_checks(job: FlightJob, verb: str, *, success: bool) -> bool:
+    """Whether an answer brings a page of checks that the operator has not seen."""
+    if verb == "upload" and success:
+        # No check follows where nobody is asked for the word.
+        return not (job.simulated or job.settings.ask or job.settings.until != LANDED)
+    return verb == "check" or (verb in {"upload", "start"} and not success)
+
+
+def _show_page(job: FlightJob, operator: Operator) -> None:
+    path = job.directory / PREFLIGHT_NAME
+    if path.exists():
+        operator.page(read_page(path))
 
 
 class _Graph:
@@ -185,6 +208,7 @@ class _Loop:
             self._look(fleet)
         if conductor.outcome.flown:
             self._await_last_events()
+        self._await_parameters()
         level = INFO if conductor.outcome.good else WARN
         self._client.publish_event(level, "order", conductor.outcome.text)
         return FlightEnd(conductor.outcome, fleet, self._speedup(), tuple(self._deaths))
@@ -209,6 +233,17 @@ class _Loop:
         while not self._client.fleet_ended and time.monotonic() < end_s:
             self._client.spin(_LOOK_S)
         self._operator.show(self._tracker.state(self._client.now_ns, self._conductor.stage.value))
+
+    def _await_parameters(self) -> None:
+        """What was set for the flight is put back by the bridge; what it cannot reach is told."""
+        path = self._job.directory / PARAMETERS_NAME
+        end_s = time.monotonic() + _PARAMETERS_S
+        while path.exists() and time.monotonic() < end_s:
+            self._client.spin(_LOOK_S)
+        if path.exists():
+            text = f"Not all parameters are as before: jfto mission restore {path} --vehicles …"
+            self._client.publish_event(WARN, "parameters", text)
+            self._operator.tell(text, WARN)
 
     def _take_deaths(self) -> None:
         """Take in which processes have died."""

@@ -9,8 +9,10 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from jfto.console.console import BAD, NOTE, WARNING, Console
+from jfto.console.preflight import MARKS, VERDICTS, preflight_table
 from jfto.flight.screen.screen import FlightScreen
 from jfto.flight.screen.state import FlightState
+from jfto_mavlink.preflight.page import Preflight
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.records.event import ERROR, WARN
 
@@ -40,6 +42,11 @@ class ConsoleOperator:
             if select.select([sys.stdin], [], [], 0.0)[0]:
                 return sys.stdin.readline().strip().lower() == CONFIRMATION
         return False
+
+    def page(self, page: Preflight) -> None:
+        """What the checks before arming came to."""
+        self._console.table(preflight_table(page))
+        self._console.line(VERDICTS[page.level], MARKS[page.level])
 
     def show(self, state: FlightState) -> None:
         """How everything stands."""

@@ -38,13 +38,10 @@ def choose_vehicles(
         return _simulated(speedup)
     if speedup != 1.0:
         raise RosterError(201, "--speedup is for simulated vehicles (sim); real ones keep time.")
+    named(texts, options)
     bridge: dict[str, Any]
     if tuple(texts) == (FROM_SCENARIO,):
         bridge = {key: options[key] for key in WHO_FLIES if key in options}
-        if not bridge.get("roster") and not bridge.get("endpoints"):
-            raise RosterError(
-                201, "the scenario's section mavlink_bridge names no roster and no endpoints."
-            )
     elif any("=" in text for text in texts):
         bridge = {"roster": tuple(texts)}
     else:
@@ -59,6 +56,26 @@ def choose_vehicles(
 
 # A flight begins when the fleet does.
 _AWAITED: Parameters = {"planner_node": {"await_lift_off": True}}
+
+
+def named(
+    texts: Sequence[str], options: Mapping[str, object]
+) -> tuple[Sequence[str], Sequence[str]]:
+    """Roster entries and endpoints of a command line, for `parse_vehicles`.
+
+    ("roster",) stands for those of the scenario's section mavlink_bridge, `options`; raises
+    RosterError where that names none.
+    """
+    if tuple(texts) != (FROM_SCENARIO,):
+        return texts, ()
+    roster, endpoints = options.get("roster", ()), options.get("endpoints", ())
+    assert isinstance(roster, Sequence)
+    assert isinstance(endpoints, Sequence)
+    if not roster and not endpoints:
+        raise RosterError(
+            201, "the scenario's section mavlink_bridge names no roster and no endpoints."
+        )
+    return roster, endpoints
 
 
 def _simulated(speedup: float) -> Vehicles:

@@ -29,7 +29,7 @@ def home(case: Case) -> Iterator[Finding]:
     if not case.aboard.parameters:
         yield Finding("home", AMBER, "its RTL height is not known")
         return
-    rtl_m, time_s = case.value("RTL_ALT", 1500.0) / 100, way_home_s(case)
+    rtl_m = case.value("RTL_ALT", 1500.0) / 100
     text = f"RTL_ALT {rtl_m:g} m"
     text += " (stays as high as it is)" if not rtl_m else ""
     if case.value("RTL_ALT_TYPE"):
@@ -38,17 +38,19 @@ def home(case: Case) -> Iterator[Finding]:
         return
     ground = case.settings.ground
     if ground is None:
-        yield Finding(
-            "home", AMBER, f"{text}, {time_s:.0f} s; the terrain is not known", "Look at the way."
-        )
+        yield Finding("home", AMBER, f"{text}; the terrain is not known", "Look at the way home.")
         return
     room_m = _least_room_m(case, ground)
     needed = rtl_m + _LIMITS.return_clearance_m - room_m
     cure = f"Set RTL_ALT to {100 * np.ceil(needed):.0f} cm or more"
     if case.value("FENCE_ENABLE") and int(case.value("FENCE_TYPE")) & TOP:
         cure += ", below FENCE_ALT_MAX"
-    clear = f"clears the ground by {room_m:.0f} m" if room_m < np.inf else "straight down"
-    text += f": {clear}, {time_s:.0f} s from the last waypoint on"
+    clear = (
+        f"clears the ground by {room_m:.0f} m on every straight way home"
+        if room_m < np.inf
+        else "stays above its pad"
+    )
+    text += f": {clear}"
     if room_m >= _LIMITS.return_clearance_m:
         yield Finding("home", GREEN, text)
         return
