@@ -210,7 +210,7 @@ def restore_fleet(fleet: Fleet) -> list[str]:
     chosen = [
         uav
         for uav in fleet.changed.vehicles
-        if uav in fleet.missions and not fleet.runner.vehicle(uav).armed
+        if uav in fleet.missions and not fleet.runner.vehicle(uav).in_flight
     ]
     results = fleet.runner.run(
         dict.fromkeys(chosen, lambda context: restore_parameters(context, fleet.changed)),

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
-from jfto_mavlink.dialect import MODES, mavlink
+from jfto_mavlink.dialect import MODES
 from jfto_mavlink.errors import FlightError
 from jfto_mavlink.fleet.fly import (
     Fleet,
@@ -248,7 +248,7 @@ class FleetOrders:
 
 def in_flight(vehicle: VehicleState) -> bool:
     """Whether a vehicle is armed and not known to stand on the ground."""
-    return vehicle.armed and vehicle.landed_state != mavlink.MAV_LANDED_STATE_ON_GROUND
+    return vehicle.in_flight
 
 
 def _told(results: Mapping[str, object], doing: Callable[[object], str]) -> str:

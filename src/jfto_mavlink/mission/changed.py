@@ -12,10 +12,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from jfto_mavlink.errors import CommandError, FlightError
-from jfto_mavlink.protocol.exchange import Context, Exchange, Report
+from jfto_mavlink.protocol.exchange import Context, Exchange, Report, wait_for
 from jfto_mavlink.protocol.parameter import equal, read_parameters, set_parameter
 from jfto_msgs_py.files import FileKind, read_record, write_record
 
+DISARMED_WAIT_S = 3.0
 _FILE = FileKind(
     "record of changed parameters",
     "It says what vehicles had before a flight: put them back by hand, then delete it.",
@@ -112,7 +113,8 @@ def restore_parameters(context: Context, changed: ChangedParameters) -> Exchange
     before = changed.vehicles.get(context.uav)
     if before is None:
         return ()
-    if context.vehicle.armed:
+    # The heartbeat after a start that was called off still says that it is armed.
+    if not (yield from wait_for(context, lambda: not context.vehicle.armed, DISARMED_WAIT_S)):
         raise FlightError(601, f"{context.uav}: is armed; its parameters are put back after it.")
     uid = context.vehicle.uid or ""
     if before.uid and uid and uid != before.uid:

@@ -112,6 +112,11 @@ class VehicleState:
         )
 
     @property
+    def in_flight(self) -> bool:
+        """Whether it is armed and not known to stand on the ground."""
+        return self.armed and self.landed_state != mavlink.MAV_LANDED_STATE_ON_GROUND
+
+    @property
     def ekf_ready(self) -> bool:
         """Whether the position estimate is good enough for AUTO."""
         return self.ekf_flags is not None and self.ekf_flags & EKF_READY == EKF_READY
