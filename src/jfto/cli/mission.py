@@ -241,7 +241,7 @@ def sign(key_file: Path, create: bool, **choices: Any) -> int:
 
 @command.command("order")
 @click.argument("order", type=click.Choice(list(VERBS)))
-@vehicles_option(scenario=False)
+@vehicles_option()
 @key_option
 @click.option("--only", metavar="UAV", multiple=True, help="These vehicles; all if left out.")
 def order_command(order: str, only: tuple[str, ...], **choices: Any) -> int:
