@@ -78,12 +78,27 @@ def _let_run(talker, count):
     wait_until(lambda: len(talker.sent_ns) >= before + count)
 
 
+def _is_kept_up(bag, on_disk) -> bool:
+    """Whether the last pose on disk is fresh, and the one before it was until a second ago.
+
+    `on_disk` holds when these poses were received, as they were found at each call.
+    """
+    last_ns = max((each.stamp_ns for each in Bag(bag).messages({"/uav1/pose"})), default=0)
+    if last_ns > on_disk[-1]:
+        on_disk.append(last_ns)
+    fresh = time.time_ns() - last_ns < 10**9
+    return fresh and len(on_disk) > 2 and on_disk[-1] - on_disk[-2] < 1.2 * 10**9
+
+
 @pytest.mark.slow
 def test_killed_recording_keeps_all_but_the_last_second(talker, tmp_path):
     """SIGKILL while messages come: all that is older than a second is there, QoS and all."""
     process = _start("record", "-o", tmp_path / "bag", "--all")
     log = _read_until(process, "'/uav1/pose'")
     _let_run(talker, 250)
+    # A recorder that gets no time to run keeps nothing: it is killed while it gets some.
+    on_disk = [0]
+    wait_until(lambda: _is_kept_up(tmp_path / "bag", on_disk))
     process.kill()
     killed_ns = time.time_ns()
     process.wait(LIMIT_S)

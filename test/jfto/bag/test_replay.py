@@ -25,6 +25,7 @@ def flight(bags):
     return bags / "tiny_flight"
 
 
+@pytest.mark.slow
 def test_outputs_are_those_of_the_flight_and_bytes_repeat(flight, tmp_path):
     """Every link, interval, schedule and setpoint is the recorded one; twice the same bytes."""
     first = replay_bag(Bag(flight), NODES, flight / "parameters.yaml", 0.001)
@@ -107,6 +108,7 @@ def test_energy_file_of_the_run_is_left_alone(flight, tmp_path):
     assert not energy.exists()
 
 
+@pytest.mark.slow
 def test_replay_never_reaches_the_network(flight):
     """A fleet that flies while a bag is replayed sees neither its nodes nor its outputs."""
     import threading

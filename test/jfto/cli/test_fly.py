@@ -17,6 +17,7 @@ def plan(tiny_run, tmp_path) -> Path:
     return Path(shutil.copy(tiny_run[0] / "plan.json", tmp_path / "alone.json"))
 
 
+@pytest.mark.slow
 def test_a_plan_alone_is_enough(plan, tmp_path, capsys) -> None:
     """Checked, compared and reported; the terrain is said to be unknown, and no map is drawn."""
     out = tmp_path / "run"

@@ -15,13 +15,19 @@ import pytest
 from jfto.supervision.process import RESTARTS, NodeCommand
 from jfto.supervision.supervisor import Death, Supervisor
 
-LIMIT_S = 30.0
+LIMIT_S = 120.0
 # Waiting for the signal itself: one that comes just before a sleep would find it asleep.
 WAITER = (
     "import signal\nsignal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])\n"
     "print('up', flush=True)\nsignal.sigwait([signal.SIGINT])\n"
 )
 SETTINGS = replace(RESTARTS, first_s=0.01, ceiling_s=0.05, tries=3)
+
+
+@pytest.fixture(autouse=True)
+def slow_starts(monkeypatch) -> None:
+    """A program that fails at once is up for seconds on a busy computer, and not sound for that."""
+    monkeypatch.setattr("jfto.supervision.process.SOUND_AFTER_S", LIMIT_S)
 
 
 def _node(name: str, code: str) -> NodeCommand:

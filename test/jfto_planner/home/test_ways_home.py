@@ -38,6 +38,7 @@ def _least_m(places: np.ndarray) -> float:
     return float(apart[:, a, b].min())
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=40, derandomize=True)
 @given(st.integers(2, 7), st.integers(0, 10_000), st.sampled_from(MODELS))
 def test_everybody_keeps_apart_and_above_the_ground(homed, count, seed, time_model):
@@ -56,6 +57,7 @@ def test_everybody_keeps_apart_and_above_the_ground(homed, count, seed, time_mod
         assert np.linalg.norm(places[-1, a] - np.array(uav.start_m)) < 1e-3
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=15, derandomize=True)
 @given(st.integers(2, 5), st.integers(0, 10_000), st.data())
 def test_a_uav_that_is_late_is_still_apart(homed, count, seed, data):

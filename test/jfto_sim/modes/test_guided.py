@@ -24,6 +24,7 @@ def send(pilot, mask, values, yaw=0.0, yaw_rate=0.0):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fields", ["P", "PVA"])
 def test_streamed_targets_are_followed_as_recorded(fields):
     """Position only lags by metres, all three fields track within half a metre, as measured."""
