@@ -11,7 +11,7 @@ from jfto_sim.clock import Clock
 from jfto_sim.commands import Command, CommandHandler
 from jfto_sim.config import VehicleConfig
 from jfto_sim.dialect import ACCEPTED, FAILED, Message, mavlink
-from jfto_sim.estimator import Estimator
+from jfto_sim.estimator import STOPPED_AIDING_AFTER_S, Estimator
 from jfto_sim.geodesy import LOCATION_ALT_MAX_M, move, offset_m
 from jfto_sim.motion.body import Body
 from jfto_sim.ports import Ports
@@ -47,6 +47,11 @@ class Position:
     def known(self) -> bool:
         """Whether there is a position at all, and a home."""
         return self.estimator.has_origin
+
+    @property
+    def from_home_known(self) -> bool:
+        """Whether the estimator can tell how far home is: not long after the GPS has gone."""
+        return self.known and self.estimator.lost_for_s < STOPPED_AIDING_AFTER_S
 
     def local_m(self, lat: int, lon: int) -> tuple[float, float]:
         """East and north of the power-up point of a place in 1e-7 degree."""

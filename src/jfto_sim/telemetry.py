@@ -239,8 +239,13 @@ class Telemetry:
         )
 
     def wind(self) -> Message:
-        """Where it comes from."""
-        east, north = self.loop.wind_mps
+        """Where it comes from, where drag was made known to the estimator; else none, as real ones.
+
+        Without EK3_DRAG_BCOEF_X and _Y a copter knows nothing of the wind, and says 0 m/s in any.
+        """
+        drag = min(self.flight.params[f"EK3_DRAG_BCOEF_{axis}"] for axis in "XY")
+        told = drag > 0 and not self.flight.body.landed
+        east, north = self.loop.wind_mps if told else (0.0, 0.0)
         speed = math.hypot(east, north)
         direction = math.degrees(math.atan2(-east, -north)) if speed > 0 else -180.0
         return mavlink.MAVLink_wind_message(direction, speed, 0.0)

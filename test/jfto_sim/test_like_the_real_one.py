@@ -262,6 +262,30 @@ def test_a_wind_beyond_the_tilt_limit_carries_it_away(pilots: Start):
     pilot.wait_until(lambda: pilot.place_m[1] < -40.0, 60.0)
 
 
+def test_a_copter_does_not_know_the_wind(pilots: Start):
+    """It leans into 8 m/s and holds its place, and its WIND message says 0 m/s from the south."""
+    pilot = pilots(SIM_WIND_T=1, SIM_WIND_DIR=270, SIM_WIND_SPD=8)
+    pilot.take_off(15.0)
+    pilot.every(m.MAVLINK_MSG_ID_WIND, 0.5)
+    pilot.run(10.0)
+    assert math.hypot(*pilot.place_m) < 3.0
+    told = pilot.last("WIND")
+    assert (told.speed, abs(told.direction)) == (0.0, 180.0)
+
+
+def test_a_level_fence_says_that_it_has_lost_its_place(pilots: Start):
+    """16 s without GPS in a mode that needs none."""
+    pilot = pilots(FENCE_ENABLE=1)
+    pilot.ready()
+    pilot.set_parameter("SIM_GPS_DISABLE", 1)
+    pilot.run(16.5)
+    first = len(pilot.texts())
+    pilot.order(401)
+    pilot.run(0.5)
+    said = [text for text in pilot.texts()[first:] if text.startswith("PreArm")]
+    assert said == ["PreArm: GPS 1: Bad fix", "PreArm: Fence requires position"]
+
+
 # --- the way home ---
 
 

@@ -137,7 +137,7 @@ class Fence:
             return "Fences enabled, but none selected"
         margin, low, high = p["FENCE_MARGIN"], p["FENCE_ALT_MIN"], p["FENCE_ALT_MAX"]
         wrong = (
-            (self.level and not self.position.known, "Fence requires position"),
+            (self.level and not self.position.from_home_known, "Fence requires position"),
             (p["FENCE_RADIUS"] < 0, "Invalid FENCE_RADIUS value"),
             (p["FENCE_RADIUS"] < margin, "FENCE_MARGIN is less than FENCE_RADIUS"),
             (high < 0, "Invalid FENCE_ALT_MAX value"),
