@@ -46,7 +46,7 @@ def prepare(
         )
     )
     settings = ConductSettings(
-        plan_s=run.plan.slots.horizon_s,
+        plan_s=run.plan.landed_s or run.plan.slots.horizon_s,
         until=until,
         ask=ask,
         speedup=speedup,
