@@ -17,6 +17,7 @@ from jfto_msgs_py.plan_file import plan_of_text, plan_text, read_plan, rounded, 
 from jfto_msgs_py.records.certificate import Certificate, Violation
 from jfto_msgs_py.records.plan import Origin, Plan, Route, Slots, Uav, Waypoint
 from jfto_msgs_py.records.radio import Radio
+from jfto_msgs_py.records.way_home import WayHome
 
 
 def _plan(scale: float = 1.0) -> Plan:
@@ -117,3 +118,33 @@ def test_a_place_that_cannot_be_written_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match=r"file.*--out"):
         write_plan(_plan(), tmp_path / "file" / "plan.json")
+
+
+def test_a_plan_of_version_1_is_read_without_what_it_did_not_know() -> None:
+    """No way home, no endurance, no wind; it is written as version 2."""
+    document = json.loads(plan_text(_plan()))
+    document["version"] = 1
+    del document["wind_mps"]
+    for uav in document["uavs"]:
+        del uav["home"], uav["endurance_s"]
+    plan = plan_of_text(json.dumps(document), Path("old.json"))
+    assert (plan.homes, plan.landed_s, plan.wind_mps) == ((), None, 0.0)
+    assert json.loads(plan_text(plan))["version"] == 2
+    document["version"] = 3
+    with pytest.raises(PlanError, match="version is 3, this program reads 1 and 2"):
+        plan_of_text(json.dumps(document), Path("newer.json"))
+
+
+def test_a_way_home_comes_back_from_its_file() -> None:
+    """All or none have one, and its times do not run backwards."""
+    home = WayHome(3.0, ((1.0, 2.0, 3.0), (0.0, 0.0, 11.5)), (7.0, 9.0), 31.0)
+    plan = rounded(replace(_plan(), homes=(home, home), wind_mps=3.0))
+    assert plan.homes == (home, home)
+    assert (plan.landed_s, plan.wind_mps) == (31.0, 3.0)
+    document = json.loads(plan_text(plan))
+    document["uavs"][1]["home"]["landed_s"] = 8.0
+    with pytest.raises(PlanError, match=r"uavs\[1\].home: its times run backwards"):
+        plan_of_text(json.dumps(document), Path("plan"))
+    document["uavs"][1]["home"] = None
+    with pytest.raises(PlanError, match="either all UAVs have a way home or none"):
+        plan_of_text(json.dumps(document), Path("plan"))

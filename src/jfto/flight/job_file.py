@@ -65,6 +65,7 @@ def resumed_job(directory: Path, plan: Plan) -> FlightJob:
         NodeCommand(each.name, each.command, environment(), each.patience_s) for each in kept.nodes
     )
     settings = replace(
-        ConductSettings(plan_s=plan.landed_s or plan.slots.horizon_s, speedup=kept.speedup), resume=True
+        ConductSettings(plan_s=plan.landed_s or plan.slots.horizon_s, speedup=kept.speedup),
+        resume=True,
     )
     return FlightJob(kept.title, directory, plan, nodes, settings, simulated=False)

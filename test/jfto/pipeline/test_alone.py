@@ -60,3 +60,16 @@ def test_its_error_names_a_cure_that_is_allowed(capsys: pytest.CaptureFixture[st
     """K_min 0 is what a fleet of one takes."""
     assert main(["plan", str(SCENE), "--set", "network.k_min=1"]) == 2
     assert "1 UAV can have at most 0 neighbours. Set it to 0, or" in capsys.readouterr().err
+
+
+def test_a_battery_that_does_not_last_is_infeasible(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The flight time with the way home counts, and the message says by how much it is over."""
+    wanted = ["--set", "fleet.endurance_s=60", "-o", str(tmp_path / "plan.json")]
+    assert main(["plan", str(SCENE), *wanted]) == 3
+    assert "its battery lasts 60 s" in capsys.readouterr().err
+    wanted[1] = "fleet.endurance_s=900"
+    assert main(["plan", str(SCENE), *wanted]) == 0
+    assert main(["check", str(tmp_path / "plan.json")]) == 0
+    assert "of 900 s left on landing (uav1, the tightest)" in capsys.readouterr().out
