@@ -13,12 +13,16 @@ from pathlib import Path
 import numpy as np
 
 from jfto_mavlink.dialect import mavlink
+from jfto_mavlink.errors import MissionFileError
 from jfto_mavlink.protocol.item import FRAME_ABSOLUTE, Item, Mission
 from jfto_msgs_py.mission_file.wpl_text import HEADER
 
 
 def write_wpl(path: Path, mission: Mission) -> tuple[Path, ...]:
-    """Write a mission, and its fence and rally points beside it; returns the files written."""
+    """Write a mission, and its fence and rally points beside it; returns the files written.
+
+    Raises MissionFileError where a file beside it would add to the mission when it is read.
+    """
     home = mission.items[:1] or (Item(mavlink.MAV_CMD_NAV_WAYPOINT, FRAME_ABSOLUTE),)
     written = []
     for target, items in (
@@ -26,6 +30,12 @@ def write_wpl(path: Path, mission: Mission) -> tuple[Path, ...]:
         (_beside(path, "fence"), (*home, *mission.fence) if mission.fence else ()),
         (_beside(path, "rally"), (*home, *mission.rally) if mission.rally else ()),
     ):
+        if target != path and not items and target.exists():
+            raise MissionFileError(
+                302,
+                f"{target}: lies there from an earlier mission and would be read with "
+                f"{path.name}, which has none of it. Remove it, or write elsewhere.",
+            )
         if items or target == path:
             target.write_text(wpl_text(items), encoding="ascii")
             written.append(target)

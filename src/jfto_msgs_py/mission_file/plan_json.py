@@ -204,7 +204,8 @@ class _PlanReader:
     def _note_survey(self, entry: dict[str, Any], inner: dict[str, Any], place: str) -> None:
         camera = inner.get("CameraCalc")
         name = camera.get("CameraName") if isinstance(camera, dict) else None
-        text = f"{place}: a {_short(entry.get('complexItemType'))} whose own items are taken"
+        kind, count = _short(entry.get("complexItemType")), len(inner["Items"])
+        text = f"{place}: a {kind} whose own {count} items are taken"
         if name:
             text += f"; that it was laid out for camera {_short(name)} is not used"
         self._notes.append(text)

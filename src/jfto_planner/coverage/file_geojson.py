@@ -26,6 +26,8 @@ def read_geojson(text: str, source: str, dem: Dem, notes: list[str]) -> list[Raw
     document = _load_json(text, source)
     if not isinstance(document, dict):
         raise WaypointError(f"{source}: is not a GeoJSON object. Export it as GeoJSON points.")
+    if document.get("fileType") == "Plan":
+        raise WaypointError(f"{source}: is a QGroundControl plan. Name it .plan.")
     _check_crs(document, source)
     if document.get("type") == "FeatureCollection":
         features = document.get("features")

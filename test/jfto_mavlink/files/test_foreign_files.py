@@ -186,3 +186,11 @@ def test_a_rally_point_in_a_frame_that_a_plan_lacks(tmp_path):
         write_mission(tmp_path / "n.plan", mission)
     write_mission(tmp_path / "n.waypoints", mission)
     assert read_mission(tmp_path / "n.waypoints") == mission
+
+
+def test_a_fence_of_an_earlier_mission_is_not_left_beside(tmp_path):
+    """It would be read with the new mission, which has none."""
+    mission = read_mission(wpl(tmp_path, HOME, UP))
+    (tmp_path / "n.fence.waypoints").write_text("QGC WPL 110\n")
+    with pytest.raises(MissionFileError, match=r"n\.fence\.waypoints: lies there from an earlier"):
+        write_mission(tmp_path / "n.waypoints", mission)

@@ -244,3 +244,11 @@ def test_altitudes_over_an_ellipsoid_are_said(tmp_path, dem):
     other = replace(dem, above_ellipsoid=True, height_datum="ellipsoid of WGS 84")
     notes = read_waypoint_set(CASES / "11-dronetm.geojson", other).notes
     assert any("taken above the ellipsoid" in note for note in notes)
+
+
+def test_a_plan_under_another_name_is_told(tmp_path, dem):
+    """Its JSON is no GeoJSON."""
+    path = tmp_path / "m.json"
+    path.write_bytes((CASES / "03-condition-yaw.plan").read_bytes())
+    with pytest.raises(WaypointError, match=r"Name it \.plan"):
+        read_waypoints(path, dem)
