@@ -75,12 +75,19 @@ def build(plan_path: Path, choices: Mapping[str, Any]) -> dict[str, VehicleMissi
     """Missions by UAV of a plan file from the values of `build_options`."""
     from jfto.planning.scenario_file import SCENARIO_NAME, load_scenario
     from jfto.planning.terrain import known_ground
+    from jfto_mavlink.errors import MissionError
     from jfto_mavlink.mission.build import build_missions
     from jfto_mavlink.mission.limits import MissionLimits
     from jfto_mavlink.mission.settings import settings_for
     from jfto_msgs_py.plan_file import read_plan
 
     plan = read_plan(plan_path)
+    if plan.homes and choices["return_height"] is not None:
+        raise MissionError(
+            303,
+            f"{plan_path}: its way home is planned and certified, so that --return-height would "
+            "not be flown. Leave it out.",
+        )
     beside = plan_path.with_name(SCENARIO_NAME)
     scenario = choices["terrain"] or (beside if beside.exists() else None)
     dem = None if scenario is None else known_ground(load_scenario(scenario))

@@ -50,7 +50,7 @@ def test_a_mission_is_converted_and_compared(plan, tmp_path, capsys):
     capsys.readouterr()
     assert main(["mission", "diff", first, second]) == 1
     *lost, verdict = capsys.readouterr().out.splitlines()
-    assert verdict == "10 lines differ"
+    assert verdict == "13 lines differ"
     assert "- WPNAV_RADIUS 120" in lost
     assert all(line.startswith("- ") for line in lost)
     assert main(["mission", "diff", first, first]) == 0
@@ -70,17 +70,18 @@ def test_a_mission_that_is_out_of_bounds_is_not_imported(tmp_path, capsys):
 
 @pytest.mark.slow
 def test_upload_verify_and_clear_go_together(plan, vehicles, capsys):
-    """Uploaded it verifies, another way home does not, cleared it does not any more."""
+    """Uploaded it verifies, another way home is refused, cleared it does not verify any more."""
     server, roster = vehicles
     common = ["--vehicles", roster]
     assert main(["mission", "upload", str(plan), *common]) == 0
     assert "fleet released: 4 vehicles" in capsys.readouterr().out
     assert main(["mission", "verify", str(plan), *common]) == 0
-    assert main(["mission", "verify", str(plan), *common, "--return-height", "300"]) == 1
-    assert "differences" in capsys.readouterr().out
+    assert main(["mission", "verify", str(plan), *common, "--return-height", "300"]) == 2
+    assert "way home is planned" in capsys.readouterr().err
     assert main(["mission", "clear", *common, "--yes"]) == 0
     assert all(s.vehicle.store.count(0) == 0 for s in server.stations.values())
     assert main(["mission", "verify", str(plan), *common]) == 1
+    assert "differences" in capsys.readouterr().out
 
 
 @pytest.mark.slow
