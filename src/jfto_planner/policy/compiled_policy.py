@@ -118,15 +118,13 @@ class CompiledPolicy:
         rollouts: int = 1,
         *,
         chances: AnyArray | None = None,
-        first: AnyArray | None = None,
         keys: Keys[AnyArray] | None = None,
         record: bool = False,
     ) -> Rollouts[AnyArray]:
         """P rollouts of each problem, of the likeliest choices unless `chances` are given.
 
-        `chances` (B, P, A + W) are uniform numbers from [0, 1) to sample with, `first` (B, P) the
-        waypoints to begin with where they are allowed. `keys` are what `encode` gave for the
-        problems; `record` keeps what was seen at every step.
+        `chances` (B, P, A + W) are uniform numbers from [0, 1) to sample with. `keys` are what
+        `encode` gave for the problems; `record` keeps what was seen at every step.
         """
         keys = keys or self.encode(problems)
         episode = new_episode(problems, rollouts, recorded=record)
@@ -135,7 +133,6 @@ class CompiledPolicy:
         shape = (count, rollouts, uavs + waypoints)
         made = Choices(
             chances=np.full(shape, -1.0) if chances is None else chances,
-            first=np.full(shape[:2], -1) if first is None else first,
             choices=np.zeros(shape, np.int64),
             uavs=np.zeros(shape, np.int64),
             likelihood=np.zeros(shape[:2]),

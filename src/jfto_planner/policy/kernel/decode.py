@@ -91,13 +91,12 @@ class Room(KernelStruct):
 class Choices(KernelStruct):
     """How B × P rollouts of T steps choose, and what they chose.
 
-    `chances` (B, P, T) are uniform numbers, or negative for the likeliest choices; `first` (B, P)
-    is the waypoint to begin with where that is allowed, or negative. `choices` and `uavs`
-    (B, P, T) say who chose what (W = stop), `likelihood` (B, P) is the logarithm of its chance.
+    `chances` (B, P, T) are uniform numbers, or negative for the likeliest choices. `choices` and
+    `uavs` (B, P, T) say who chose what (W = stop), `likelihood` (B, P) is the logarithm of its
+    chance.
     """
 
     chances: AnyArray
-    first: AnyArray
     choices: AnyArray
     uavs: AnyArray
     likelihood: AnyArray
@@ -289,8 +288,6 @@ def roll_out(episode: Episode, net: Net, keys: Keys[AnyArray], made: Choices, ro
                 observe_one(episode, b, p, t)
                 decide(episode, net, keys, b, p, t, room)
                 choice = _choose(room.log_p, made.chances[b, p, step])
-                if step == 0 and made.first[b, p] >= 0 and seen.allowed[b, p, t, made.first[b, p]]:
-                    choice = made.first[b, p]
                 made.choices[b, p, step] = choice
                 made.uavs[b, p, step] = seen.active[b, p, t]
                 made.likelihood[b, p] += room.log_p[choice]

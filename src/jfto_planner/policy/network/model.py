@@ -32,19 +32,17 @@ class Policy(nn.Module):
         rollouts: int = 1,
         *,
         generator: torch.Generator | None = None,
-        first: Tensor | None = None,
     ) -> Rollouts[Tensor]:
         """Roll out P = `rollouts` solutions of each problem; all share one encoder pass.
 
-        With a `generator` choices are sampled, without one the likeliest is taken. `first`
-        (B, P) prescribes the first waypoint of each rollout where it is allowed (multi-start).
+        With a `generator` choices are sampled, without one the likeliest is taken.
         """
         keys = self.encode(batch)
         with torch.no_grad():
             if batch.waypoints.device.type == "cpu":
-                flown = self._compiled(keys, batch, rollouts, generator, first)
+                flown = self._compiled(keys, batch, rollouts, generator)
             else:
-                flown = self.stepwise(keys, batch, rollouts, generator, first)
+                flown = self.stepwise(keys, batch, rollouts, generator)
         if not torch.is_grad_enabled():
             return flown
         # All steps in one pass: the choices are known by now.
@@ -56,19 +54,15 @@ class Policy(nn.Module):
         batch: Problems[Tensor],
         rollouts: int,
         generator: torch.Generator | None,
-        first: Tensor | None = None,
     ) -> Rollouts[Tensor]:
         """Rollouts and what was seen at all steps, in tensors on any device."""
         episode = Episode(batch, rollouts)
         choices, steps = [], []
         total = torch.zeros(batch.size, rollouts, device=batch.waypoints.device)
-        for number in range(episode.steps):
+        for _ in range(episode.steps):
             seen = episode.observe()
             log_p = self.decoder(keys, seen)
             choice = _choose(log_p, generator)
-            if number == 0 and first is not None:
-                possible = seen.allowed.gather(-1, first[..., None]).squeeze(-1)
-                choice = torch.where(possible, first, choice)
             total = total + log_p.gather(-1, choice[..., None]).squeeze(-1)
             episode.step(choice)
             choices.append(choice)
@@ -89,7 +83,6 @@ class Policy(nn.Module):
         batch: Problems[Tensor],
         rollouts: int,
         generator: torch.Generator | None,
-        first: Tensor | None,
     ) -> Rollouts[Tensor]:
         """The same compiled, on a CPU."""
         chances = None
@@ -101,7 +94,6 @@ class Policy(nn.Module):
             batch.numpy(),
             rollouts,
             chances=chances,
-            first=None if first is None else np.ascontiguousarray(first.numpy()),
             keys=keys.numpy(),
             record=True,
         )

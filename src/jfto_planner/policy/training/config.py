@@ -83,15 +83,13 @@ class TrainingConfig:
     """Everything that decides the outcome of a run, given the machine's arithmetic.
 
     The best model is replaced when a one-sided paired t-test at `significance` says that the
-    policy is better, and is what is kept in the end. `multi_start` forces the rollouts of a
-    problem to begin at different waypoints. `bfloat16` computes products in half precision, on CUDA
-    and on CPUs that have AMX. `normalise` divides the advantages of each problem's rollouts by
-    their root mean square.
+    policy is better, and is what is kept in the end. `bfloat16` computes products in half
+    precision, on CUDA and on CPUs that have AMX. `normalise` divides the advantages of each
+    problem's rollouts by their root mean square.
     """
 
     seed: int
     stages: tuple[Stage, ...]
-    multi_start: bool = False
     significance: float = 0.05
     miss_penalty: float = 0.1
     late_penalty: float = 2.0

@@ -144,9 +144,7 @@ class Trainer:
     def _explore(self, stage: Stage, within: int) -> tuple[Tensor, dict[str, float]]:
         """Loss of Algorithm 1: REINFORCE with a baseline."""
         batch, generator = self._draw(stage, within)
-        outcome = self.policy(
-            batch, stage.rollouts, generator=generator, first=self._first(batch, stage)
-        )
+        outcome = self.policy(batch, stage.rollouts, generator=generator)
         cost = outcome.cost(self.config.miss_penalty, self.config.late_penalty).detach()
         advantage = cost - self._baseline(stage, batch, cost)
         if self.config.normalise:
@@ -176,12 +174,6 @@ class Trainer:
         if self.device.type != "cpu":
             sampling = torch.Generator(self.device).manual_seed(own.initial_seed() + 1)
         return batch.tensors(self.device), sampling
-
-    def _first(self, batch: Problems[Tensor], stage: Stage) -> Tensor | None:
-        if not self.config.multi_start:
-            return None
-        number = torch.arange(stage.rollouts, device=self.device)
-        return number.remainder(batch.waypoints.shape[1]).expand(batch.size, -1)
 
     def _baseline(self, stage: Stage, batch: Problems[Tensor], cost: Tensor) -> Tensor:
         if stage.baseline == "shared":

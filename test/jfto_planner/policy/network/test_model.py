@@ -153,15 +153,3 @@ def test_symmetries_preserve_every_distance() -> None:
             rtol=1e-4,
             atol=1e-5,
         )
-
-
-def test_multi_start_begins_where_it_is_told() -> None:
-    """Rollout p of a problem begins with the waypoint prescribed for it."""
-    policy = _policy()
-    batch = instances(2, 6, 4, k_min=1)
-    first = torch.arange(6).expand(2, -1)
-    allowed = Episode(batch, 6).observe().allowed
-    possible = allowed.gather(-1, first[..., None]).squeeze(-1)
-    outcome = policy(batch, 6, first=first)
-    assert possible.any()
-    assert torch.equal(outcome.choices[..., 0][possible], first[possible])

@@ -81,10 +81,9 @@ def test_a_killed_run_resumes_with_the_same_curve(tmp_path) -> None:
 
 
 def test_both_baselines_train(tmp_path) -> None:
-    """The shared baseline with multi-start moves the weights too."""
+    """The shared baseline moves the weights too."""
     stages = tuple(replace(stage, baseline="shared") for stage in CONFIG.stages)
-    config = replace(CONFIG, stages=stages, multi_start=True)
-    trainer = Trainer(config, tmp_path)
+    trainer = Trainer(replace(CONFIG, stages=stages), tmp_path)
     before = trainer.policy.decoder.stop_bias.item()
     trainer.run()
     assert trainer.policy.decoder.stop_bias.item() != before
