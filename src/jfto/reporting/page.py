@@ -56,9 +56,9 @@ class ReportContent:
 
     `scene` names the scene of the paper to compare with, `figures` maps file stems to PNG bytes,
     `coverage` is the coverage certificate's figures as in coverage.json, or None where waypoints
-    were drawn at random, `configuration` the resolved scenario file. `dem` is None where the terrain is
-    unknown. Arrivals are also said for a wind of
-    `wind_mps`; `flight` is None until the plan was flown.
+    were drawn at random, `configuration` the resolved scenario file. `dem` is None where the
+    terrain is unknown. Arrivals are also said for a wind of `wind_mps`; `flight` is None until the
+    plan was flown.
     """
 
     plan: Plan

@@ -85,7 +85,7 @@ class Raster:
         if operation is None or operation.method_name not in _CYLINDERS:
             return 0.0
         eastings, _ = self.placing.transformer.transform([0.0, 1.0], [0.0, 0.0])
-        return 360.0 * abs(eastings[1] - eastings[0])
+        return float(360.0 * abs(eastings[1] - eastings[0]))
 
     def _bounds_deg(self) -> tuple[float, float, float, float]:
         """West, south, east and north, roughly: on the raster's own datum."""
