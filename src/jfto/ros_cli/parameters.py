@@ -88,6 +88,7 @@ def set_value(node: Any, owner: str, name: str, text: str) -> Steps[str | None]:
 
 
 def _parameter(name: str, text: str) -> Any:
+    # get_parameter_value of rclpy fails on a date, a map or an open quote, which are texts here.
     try:
         plain = yaml.safe_load(text)
     except yaml.YAMLError:
