@@ -7,19 +7,13 @@ from typing import Any
 
 import click
 
-from jfto.cli.options import PATH, set_option
+from jfto.cli.options import PATH, flown_under_option, set_option
 from jfto.cli.run import flight_options, run
 
 
 @click.command("fly")
 @click.argument("plan", type=PATH)
-@click.option(
-    "--scenario",
-    type=PATH,
-    metavar="FILE",
-    help="What it is flown under. Default: scenario.yaml beside the plan; without one, what the "
-    "plan itself says, over unknown terrain.",
-)
+@flown_under_option
 @set_option
 @flight_options
 def command(plan: Path, scenario: Path | None, overrides: tuple[str, ...], **choices: Any) -> int:

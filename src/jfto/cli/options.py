@@ -32,7 +32,16 @@ set_option = click.option(
     "overrides",
     metavar="KEY=VALUE",
     multiple=True,
-    help="Override a scenario key; may be repeated. docs/reference/scenario.md lists them.",
+    help="Override a scenario key, or a node's as mavlink_bridge.style; may be repeated. "
+    "docs/reference/scenario.md and topics.md list them.",
+)
+# Of commands that take a plan.
+flown_under_option = click.option(
+    "--scenario",
+    type=PATH,
+    metavar="FILE",
+    help="What it is flown under. Default: scenario.yaml beside the plan; without one, what the "
+    "plan itself says, over unknown terrain.",
 )
 seed_option = click.option(
     "--seed", type=click.IntRange(0), metavar="N", help="Seed of the search; search.seed if absent."

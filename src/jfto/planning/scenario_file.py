@@ -12,7 +12,7 @@ import yaml
 
 from jfto_msgs_py.errors import ScenarioError
 from jfto_msgs_py.files import read_text
-from jfto_msgs_py.scenario import KEYS, Given, Scenario, make_scenario
+from jfto_msgs_py.scenario import KEYS, Given, Key, Scenario, make_scenario
 from jfto_msgs_py.scenario.value import check_value, nearest
 
 SHARED = "/**"
@@ -79,7 +79,7 @@ def load_scenario(path: str | Path, overrides: Sequence[str] = ()) -> LoadedScen
     problems: list[str] = []
     node_options: dict[str, dict[str, Any]] = {}
     layers = _read_layers(path, problems, node_options)
-    layers.append(read_overrides(overrides, problems))
+    layers.append(read_overrides(overrides, node_options, problems))
     try:
         scenario = make_scenario(layers)
     except ScenarioError as error:
@@ -262,8 +262,13 @@ def _merge_node(
             )
 
 
-def read_overrides(overrides: Sequence[str], problems: list[str]) -> dict[str, Given]:
-    """Values of `key=value` texts by dotted key; what is wrong with them is added to `problems`."""
+def read_overrides(
+    overrides: Sequence[str], node_options: dict[str, dict[str, Any]], problems: list[str]
+) -> dict[str, Given]:
+    """Values of `key=value` texts by dotted key; what is wrong with them is added to `problems`.
+
+    A node's own parameter is `node.key`; those go to `node_options`.
+    """
     layer: dict[str, Given] = {}
     for text in overrides:
         name, equals, raw = text.partition("=")
@@ -271,7 +276,7 @@ def read_overrides(overrides: Sequence[str], problems: list[str]) -> dict[str, G
         if not equals or not name:
             problems.append(f"--set {text}: is not key=value. Write --set radio.noise_dbm=-105.")
             continue
-        key = KEYS.get(name)
+        key = _key_named(name)
         if key is not None and key.array and not raw.strip().startswith("["):
             raw = f"[{raw}]"
         if key is not None and not key.array and key.kind == "text":
@@ -283,4 +288,20 @@ def read_overrides(overrides: Sequence[str], problems: list[str]) -> dict[str, G
             problems.append(f"--set {text}: cannot read the value. Quote it or mend the brackets.")
             continue
         layer[name] = Given("" if node is None else _construct(node), "--set")
+    for name in {name.partition(".")[0] for name in layer} & set(NODES):
+        mine = {
+            key[len(name) + 1 :]: layer.pop(key) for key in [*layer] if key.startswith(f"{name}.")
+        }
+        node_options.setdefault(name, {}).update(_take_options(name, mine, problems))
+        problems += [f"--set {name}.{key}: {name} has no such parameter." for key in mine]
     return layer
+
+
+def _key_named(name: str) -> Key | None:
+    """Key of a scenario, or of a node as `node.key`; None where there is none."""
+    node, _, own = name.partition(".")
+    if node not in NODES:
+        return KEYS.get(name)
+    from jfto.node_options import NODE_OPTIONS
+
+    return NODE_OPTIONS[node].get(own)

@@ -41,15 +41,16 @@ def load_scenario_for(
         for name, value in scenario_values(read_plan(plan_file)).items()
     }
     problems: list[str] = []
+    options: dict[str, dict[str, Any]] = {}
     try:
-        scenario = make_scenario([values, read_overrides(overrides, problems)])
+        scenario = make_scenario([values, read_overrides(overrides, options, problems)])
     except ScenarioError as error:
         raise ScenarioError([*problems, *error.problems]) from None
     if problems:
         raise ScenarioError(problems)
-    # No mission can be held against ground that nobody knows.
-    unchecked = scenario.terrain.source == UNKNOWN_TERRAIN
-    options = {"mavlink_bridge": {"check_terrain": False}} if unchecked else {}
+    if scenario.terrain.source == UNKNOWN_TERRAIN:
+        # No mission can be held against ground that nobody knows.
+        options.setdefault("mavlink_bridge", {})["check_terrain"] = False
     return LoadedScenario(scenario, plan_file, options)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import socket
 from pathlib import Path
 
@@ -69,15 +70,23 @@ def test_a_mission_that_is_out_of_bounds_is_not_imported(tmp_path, capsys):
 
 
 @pytest.mark.slow
-def test_upload_verify_and_clear_go_together(plan, vehicles, capsys):
-    """Uploaded it verifies, another way home is refused, cleared it does not verify any more."""
+def test_upload_verify_and_clear_go_together(plan, vehicles, tmp_path, capsys):
+    """Uploaded it verifies; another way home is refused or differs; cleared it verifies no more."""
     server, roster = vehicles
     common = ["--vehicles", roster]
     assert main(["mission", "upload", str(plan), *common]) == 0
     assert "fleet released: 4 vehicles" in capsys.readouterr().out
     assert main(["mission", "verify", str(plan), *common]) == 0
-    assert main(["mission", "verify", str(plan), *common, "--return-height", "300"]) == 2
+    height = "mavlink_bridge.return_height_m=300"
+    assert main(["mission", "verify", str(plan), *common, "--set", height]) == 2
     assert "way home is planned" in capsys.readouterr().err
+    higher = json.loads(plan.read_text())
+    for uav in higher["uavs"]:
+        for point in uav["home"]["points_m"][1:]:
+            point[2] += 10.0
+    (tmp_path / "higher.json").write_text(json.dumps(higher))
+    assert main(["mission", "verify", str(tmp_path / "higher.json"), *common]) == 1
+    assert "differences" in capsys.readouterr().out
     assert main(["mission", "clear", *common, "--yes"]) == 0
     assert all(s.vehicle.store.count(0) == 0 for s in server.stations.values())
     assert main(["mission", "verify", str(plan), *common]) == 1

@@ -63,3 +63,16 @@ def test_one_nodes_parameters_are_the_shared_ones_and_its_own(tmp_path) -> None:
     values = load_node_parameters(_file(tmp_path, section), "topology_node")
     with pytest.raises(ScenarioError, match=r"scene.yaml:4: .*unknown key"):
         resolve(values, TopologyOptions)
+
+
+def test_a_node_s_own_parameters_can_be_set_from_the_command_line() -> None:
+    """Checked like those of its section; one that it has not is named."""
+    demo = Path(__file__).parents[3] / "config/demo.yaml"
+    loaded = load_scenario(demo, ("mavlink_bridge.pass_within_m=3", "network.k_min=1"))
+    assert loaded.node_options["mavlink_bridge"]["pass_within_m"] == 3.0
+    assert loaded.scenario.network.k_min == 1
+    with pytest.raises(ScenarioError) as caught:
+        load_scenario(demo, ("mavlink_bridge.style=holt", "mavlink_bridge.stile=hold"))
+    style, unknown = caught.value.problems
+    assert "style is 'holt'" in style
+    assert "mavlink_bridge.stile" in unknown
