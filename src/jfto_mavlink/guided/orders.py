@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from jfto_mavlink.dialect import MODES
-from jfto_mavlink.errors import FlightError
+from jfto_mavlink.errors import FlightError, LinkError
 from jfto_mavlink.fleet.fly import (
     PREPARE_S,
     Fleet,
@@ -261,10 +261,18 @@ class GuidedOrders(FleetOrders):
             )
             job = partial(fly, streamed=streamed, scheduler=scheduler)
             self._streams[uav] = self.fleet.runner.start(uav, job, self.fleet.report)
-            self._streams[uav].add_done_callback(lambda _future: self._ended())
+            self._streams[uav].add_done_callback(partial(self._ended, uav))
 
-    def _ended(self) -> None:
-        """A stream has ended: with the last one the flight is over, unless it is only held."""
+    def _ended(self, uav: str, stream: Future[Ended]) -> None:
+        """A stream has ended: with the last one the flight is over, unless it is only held.
+
+        One that has failed leaves a vehicle that hovers: it is called home, and that is told.
+        """
+        error = None if stream.cancelled() else stream.exception()
+        if error is not None and not isinstance(error, LinkError):
+            text = " ".join(f"{uav} is streamed to no more: {error} It is called home.".split())
+            self._tell(Event(ERROR, "guided", uav, text))
+            self.fleet.runner.start(uav, return_home, self.fleet.report)
         if self._flight is not None and self._paused_s is None and not self._running():
             self._flight.keep(over=True)
 

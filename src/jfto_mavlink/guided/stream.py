@@ -74,7 +74,6 @@ def fly(context: Context, streamed: Streamed, scheduler: Scheduler) -> Exchange[
         frame = yield from ekf_frame(context, streamed.map)
         ended = yield from stream(context, streamed, scheduler, frame)
     except MavlinkError as error:
-        yield from stop(context)
         ended = Ended(Ending.UNABLE, str(error))
     yield Report(f"streaming ended: {ended.why}")
     if ended.how == Ending.OVER:
@@ -85,6 +84,7 @@ def fly(context: Context, streamed: Streamed, scheduler: Scheduler) -> Exchange[
             f"is called home in {streamed.settings.hold_s:g} s."
         )
         streamed.tell(Event(ERROR, "guided", context.uav, " ".join(text.split())))
+        yield from stop(context)
         yield from wait_until(context, context.clock() + streamed.settings.hold_s)
         if context.vehicle.mode in (MODES["BRAKE"], MODES["GUIDED"]):
             yield from return_home(context)
@@ -136,7 +136,6 @@ def stream(
         age_s = now_s - vehicle.position_s if vehicle.position_s is not None else float("inf")
         step = scheduler.step(now_s, streamed.curve(), progress, here_m, age_s)
         if step.stop:
-            yield from stop(context)
             return Ended(Ending.UNABLE, step.stop)
         if step.target is not None:
             facing = None if streamed.heading is None else streamed.heading.at(progress.elapsed_s)

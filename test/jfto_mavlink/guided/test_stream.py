@@ -10,9 +10,10 @@ from jfto_mavlink.flight.control import StartLine
 from jfto_mavlink.guided.curve_clock import CurveClock
 from jfto_mavlink.guided.reference import GuidedLimits, check_flyable, reference
 from jfto_mavlink.guided.scheduler import GuidedSettings, Scheduler
-from jfto_mavlink.guided.stream import Ending, Streamed, ekf_frame, stream, take_off
+from jfto_mavlink.guided.stream import Ending, Streamed, ekf_frame, fly, stream, take_off
 from jfto_mavlink.guided.target import HeadingPlan, MapFrame
 from jfto_mavlink.protocol.command import set_mode
+from jfto_msgs_py.records.event import ERROR
 from jfto_msgs_py.records.plan import Origin
 from jfto_msgs_py.records.vehicle import TimedTrajectory
 from jfto_sim import LinkFaults, Vehicle, VehicleConfig
@@ -78,8 +79,10 @@ class Flight:
             raise result
         return result
 
-    def begin(self, trajectory: TimedTrajectory, heading: HeadingPlan | None = None):
-        """Stream a trajectory."""
+    def begin(
+        self, trajectory: TimedTrajectory, heading: HeadingPlan | None = None, *, whole=False
+    ):
+        """Stream a trajectory; with what follows the stream where it is `whole`."""
         clock = CurveClock(self.lift_off_s)
         streamed = Streamed(
             None, self.map, heading, lambda: trajectory, clock.at,
@@ -87,7 +90,11 @@ class Flight:
         )  # fmt: skip
         return self.runner.start(
             "uav1",
-            lambda context: stream(context, streamed, self.scheduler, self.ekf),
+            lambda context: (
+                fly(context, streamed, self.scheduler)
+                if whole
+                else stream(context, streamed, self.scheduler, self.ekf)
+            ),
             self._report,
         )
 
@@ -169,7 +176,7 @@ def test_a_pilot_who_takes_over_is_left_alone():
 
 
 def test_a_trajectory_far_away_is_not_joined():
-    """Nobody knows what stands in between."""
+    """Nobody knows what stands in between: it holds, is called home, and everybody is told."""
     flight = Flight()
     far = curve()
     moved = TimedTrajectory(
@@ -179,12 +186,16 @@ def test_a_trajectory_far_away_is_not_joined():
         far.velocity_mps,
         far.acceleration_mps2,
     )
-    activity = flight.begin(moved)
+    activity = flight.begin(moved, whole=True)
     flight.fly_for(4.0)
-    assert flight.runner.until(lambda: activity.done, 5.0)
-    assert activity.result.why == "its trajectory is 60 m away"
-    assert activity.result.how == Ending.UNABLE
+    assert flight.sim.mode.number == MODES["BRAKE"]
+    (told,) = flight.told
+    assert told.level == ERROR
+    assert "its trajectory is 60 m away. It holds, and is called home in 5 s" in told.text
     assert np.linalg.norm(flight.where_m() - PAD_M - [0.0, 0.0, HOVER_M]) < 1.0
+    assert flight.runner.until(lambda: activity.done, 20.0)
+    assert activity.result.how == Ending.UNABLE
+    assert flight.sim.mode.number == MODES["RTL"]
 
 
 def test_the_vehicle_looks_where_the_photos_want_it():
