@@ -25,7 +25,7 @@ from jfto_world.terrain.frame import LocalFrame
 SPEEDUP = 5.0
 EPOCH_NS = 1_763_776_800 * 10**9
 # A busy computer stalls for tenths of a second, which are seconds of sped-up time.
-PATIENT = GuidedSettings(stalled_s=20.0)
+PATIENT = GuidedSettings(stalled_s=20.0, astray_max_m=80.0)
 
 
 def wait(condition, limit_s: float = 120.0) -> bool:
