@@ -321,7 +321,7 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
         found = [node]
         for uav in self._scenario.fleet.ids:
             identity = operation.link.station.tracks[uav].identity
-            conflict = identity.conflict or identity.wrong_vehicle
+            conflict = identity.trouble(operation.link.clock())
             expected = Expected(
                 # Vehicles that stamp what they report need not be compared with anybody's clock.
                 math.inf if self._options.vehicle_stamps else operation.plan.slots.duration_s / 4,

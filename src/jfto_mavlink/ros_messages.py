@@ -41,6 +41,8 @@ def uav_status(uav: str, state: LinkState | None, now_s: float, expected: Expect
         return Status(uav, STALE, expected.trouble or "not heard yet")
     silent_s = state.silent_s + now_s - state.at_s
     facts = _facts(state, silent_s)
+    if expected.trouble:
+        facts["trouble"] = expected.trouble
     if expected.stream:
         facts["stream"] = expected.stream
     level, text = _judged(state, silent_s, expected)

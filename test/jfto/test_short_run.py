@@ -135,6 +135,8 @@ def test_the_run_ends_well_with_everything_in_its_directory(flown) -> None:
     assert facts["flight"]["processes_died"] == []
     names = {path.name for path in directory.iterdir()}
     assert names >= {"scenario.yaml", "plan.json", "bag", "flight.json", "report.html", "log.txt"}
+    assert "preflight.json" in names
+    assert "parameters.json" not in names, "it is gone once all parameters are put back"
     assert {path.name for path in (directory / "tlogs").iterdir()} == {
         "uav1.tlog",
         "uav2.tlog",

@@ -158,6 +158,9 @@ class Conductor:
         elif fleet.all_linked and fleet.planned:
             self._tell(f"{len(fleet.uavs)} vehicles linked")
             self._enter(Stage.UPLOAD)
+        elif troubles := [u.trouble for u in fleet.uavs.values() if u.trouble and not u.linked]:
+            # Frames arrive, and no waiting makes the keys fit.
+            self._end(Ending.REFUSED, f"{' '.join(troubles)} Nothing was armed.")
         elif self._wall_s() > self.settings.patience.link_s:
             silent = [name for name, uav in fleet.uavs.items() if not uav.linked]
             why = fleet.note or (f"{', '.join(silent)} not heard" if silent else "no plan came")

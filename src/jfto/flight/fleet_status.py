@@ -14,7 +14,8 @@ class VehicleStatus:
     """One vehicle: whether its link is up, how long it has been silent (s of its clock), …
 
     … whether it is armed, in which mode, how many of its waypoints it has reached, how late the
-    last of them, where that is known, and whether a trajectory is streamed to it.
+    last of them, where that is known, whether a trajectory is streamed to it, and why it cannot be
+    spoken with, "" if it can.
     """
 
     linked: bool = False
@@ -24,6 +25,7 @@ class VehicleStatus:
     reached: int = 0
     late_s: float | None = None
     streamed: bool = False
+    trouble: str = ""
 
     @property
     def down(self) -> bool:
@@ -116,6 +118,7 @@ def _vehicle(status: Status | None, listened_s: float) -> VehicleStatus:
         reached=int(_number(facts.get("waypoints_reached", "")) or 0),
         late_s=_number(facts.get("late_s", "")),
         streamed=facts.get("stream") == "streaming",
+        trouble=facts.get("trouble", ""),
     )
 
 

@@ -191,6 +191,10 @@ class Identity:
         lasting = self.signing and now_s - self.signing_s > SIGNING_S
         return f"{self.uav}: {self.signing}." if lasting and not self.known else ""
 
+    def trouble(self, now_s: float) -> str:
+        """Why nothing may be sent to it, "" if it may: another vehicle, two of them, or keys."""
+        return self.conflict or self.wrong_vehicle or self.signing_trouble(now_s)
+
     def note_signing(self, trouble: str, now_s: float) -> None:
         """Take note of a frame that is not believed, or that is signed where we have no key."""
         if not self.signing:

@@ -66,15 +66,18 @@ def on_board(case: Case) -> Iterator[Finding]:
 def wind(case: Case) -> Iterator[Finding]:
     """What the vehicle takes for the wind against what the plan leaves room for."""
     limit, told = case.settings.wind_max_mps, case.now.wind_mps
-    if told is None:
-        yield Finding("wind", AMBER, "it tells no wind", "Measure it by hand.")
+    if told is None or not (told or case.value("EK3_DRAG_BCOEF_X")):
+        # Without drag coefficients a copter says 0 m/s in any wind.
+        planned = "" if limit is None else f"; the plan allows for {limit:g} m/s"
+        cure = "Measure it by hand, or set EK3_DRAG_BCOEF_X and _Y."
+        yield Finding("wind", AMBER, f"it cannot tell the wind{planned}", cure)
         return
     if limit is None:
         yield Finding("wind", GREEN, f"tells {told:.1f} m/s; the plan names no limit")
         return
     text = f"tells {told:.1f} m/s, the plan allows for {limit:g} m/s"
     if told <= limit:
-        yield Finding("wind", GREEN, f"{text} (copters often tell none before they fly)")
+        yield Finding("wind", GREEN, text)
         return
     level = RED if told > limit + WIND_MORE_MPS else AMBER
     cure = f"Wait, or plan with trajectory.wind_mps {told:.0f}."

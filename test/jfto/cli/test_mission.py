@@ -103,6 +103,34 @@ def test_a_link_names_the_whole_fleet_as_it_does_for_run(plan, vehicles, capsys)
     assert main(["mission", "verify", str(plan), "--vehicles", roster]) == 0
 
 
+def test_parameters_of_an_upload_are_put_back_by_their_record(plan, vehicles, tmp_path, capsys):
+    """Set with the missions, old values beside the plan; restored, the record is gone."""
+    server, roster = vehicles
+    copy = tmp_path / "plan.json"
+    copy.write_bytes(plan.read_bytes())
+    params = server.stations[1].vehicle.params
+    assert main(["mission", "upload", str(copy), "--vehicles", roster]) == 0
+    record = tmp_path / "parameters.json"
+    assert str(record) in capsys.readouterr().out
+    assert params["WPNAV_RADIUS"] == 120.0
+    assert main(["mission", "restore", str(record), "--vehicles", roster]) == 0
+    assert params["WPNAV_RADIUS"] == 200.0
+    assert not record.exists()
+
+
+def test_a_plan_is_held_against_vehicles_that_are_elsewhere(plan, vehicles, capsys):
+    """FIELD 5, 15, 18: the forms of `run`; status 1, JSON, each reason in full, nothing is sent."""
+    server, roster = vehicles
+    link = roster.rpartition("@")[2]
+    assert main(["preflight", str(plan), "--vehicles", link, "--json"]) == 1
+    page = json.loads(capsys.readouterr().out)
+    assert page["level"] == "red"
+    assert [one["uav"] for one in page["vehicles"]] == ["uav1", "uav2", "uav3", "uav4"]
+    pads = [f for one in page["vehicles"] for f in one["findings"] if f["topic"] == "pad"]
+    assert all(found["text"] for found in pads)
+    assert all(s.vehicle.store.count(0) == 0 for s in server.stations.values())
+
+
 def test_a_vehicle_missing_from_the_roster_stops_everything(plan, vehicles, capsys):
     """Before anything is sent."""
     server, roster = vehicles

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+
 import pytest
 
 from jfto.cli import main
+from jfto_mavlink.preflight.page import read_page
+from support.domains import next_domain
 
 
 @pytest.mark.parametrize(
@@ -45,3 +51,24 @@ def test_a_plan_for_another_fleet_is_refused(tiny, tiny_run, tmp_path, capsys) -
     assert main([*arguments, "--set", 'fleet.ids=["a","b","c","d"]']) == 2
     assert "uav1, uav2, uav3, uav4" in capsys.readouterr().err
     assert not (tmp_path / "bag").exists()
+
+
+@pytest.mark.slow
+def test_a_dry_run_shows_the_checks_and_draws_nothing(tiny, tmp_path) -> None:
+    """Missions on board, the page on the screen and on disk; no comparison, figures or report."""
+    command = [sys.executable, "-m", "jfto", "run", str(tiny), "--until", "arm"]
+    ended = subprocess.run(
+        [*command, "-o", str(tmp_path), "--set", "trajectory.mode=waypoints"],
+        env={**os.environ, "ROS_DOMAIN_ID": str(next_domain())},
+        capture_output=True,
+        text=True,
+        timeout=500,
+        check=False,
+    )
+    assert ended.returncode == 0, ended.stderr
+    assert "Preflight: nothing speaks against a start" in ended.stderr
+    assert "uav4" in ended.stderr
+    names = {path.name for path in tmp_path.iterdir()}
+    assert not names & {"figures", "report.html", "comparison.json"}
+    assert read_page(tmp_path / "preflight.json").stops() == ()
+    assert "parameters.json" not in names

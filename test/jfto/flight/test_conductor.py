@@ -378,3 +378,13 @@ def test_a_streamed_fleet_is_on_its_plan_after_a_restart_in_the_start() -> None:
     stand.conductor.bridge_died()
     stand.see(streamed, streamed, after_s=5.0)
     assert stand.conductor.stage == Stage.FLY
+
+
+def test_keys_that_do_not_fit_end_the_run_at_once() -> None:
+    """Frames arrive, so nobody is "not heard": the reason is said, and nothing is armed."""
+    stand = Stand()
+    foreign = VehicleStatus(trouble="uav2: signs with another key than this station.")
+    stand.see(PAD, foreign)
+    assert stand.conductor.outcome is not None
+    assert stand.conductor.outcome.ending == Ending.REFUSED
+    assert stand.conductor.outcome.text == f"{foreign.trouble} Nothing was armed."

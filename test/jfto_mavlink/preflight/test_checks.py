@@ -97,7 +97,14 @@ def test_the_time_needed_has_the_way_home_in_it(make_case):
 
 @pytest.mark.parametrize(
     ("told", "limit", "level"),
-    [(2.0, 3.0, GREEN), (4.0, 3.0, AMBER), (8.0, 3.0, RED), (None, 3.0, AMBER), (8.0, None, GREEN)],
+    [
+        (2.0, 3.0, GREEN),
+        (4.0, 3.0, AMBER),
+        (8.0, 3.0, RED),
+        (None, 3.0, AMBER),
+        (8.0, None, GREEN),
+        (0.0, 3.0, AMBER),
+    ],
 )
 def test_wind_is_held_against_what_was_planned_for(make_case, told, limit, level):
     """FIELD 7: 8 m/s where 3 were planned for is said, and stops."""

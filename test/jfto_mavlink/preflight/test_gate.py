@@ -94,8 +94,9 @@ def test_two_vehicles_under_one_system_id_are_found_before_anything_is_sent(plan
 
 
 def test_wind_beyond_the_plan_is_said_before_the_start(plan):
-    """FIELD 7: 8 m/s where the plan leaves room for 3."""
-    windy = {"wind_mps": (8.0, 0.0)}
+    """FIELD 7: 8 m/s where the plan leaves room for 3, by a vehicle that can tell."""
+    drag = {"EK3_DRAG_BCOEF_X": 60.0, "EK3_DRAG_BCOEF_Y": 60.0}
+    windy = {"wind_mps": (8.0, 0.0), "parameters": drag}
     ground = Ground(plan, gate=replace(NEVER, wind_max_mps=3.0), uav1=windy)
     text = ground.refused()
     assert "uav1: tells 8" in text
