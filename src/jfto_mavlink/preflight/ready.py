@@ -66,11 +66,11 @@ def on_board(case: Case) -> Iterator[Finding]:
 def wind(case: Case) -> Iterator[Finding]:
     """What the vehicle takes for the wind against what the plan leaves room for."""
     limit, told = case.settings.wind_max_mps, case.now.wind_mps
-    if told is None or not (told or case.value("EK3_DRAG_BCOEF_X")):
-        # Without drag coefficients a copter says 0 m/s in any wind.
+    if not told:
+        # A copter says 0 m/s in any wind: always on the ground, aloft without EK3_DRAG_BCOEF_*.
         planned = "" if limit is None else f"; the plan allows for {limit:g} m/s"
-        cure = "Measure it by hand, or set EK3_DRAG_BCOEF_X and _Y."
-        yield Finding("wind", AMBER, f"it cannot tell the wind{planned}", cure)
+        text = f"standing here it cannot tell the wind{planned}"
+        yield Finding("wind", AMBER, text, "Measure it by hand.")
         return
     if limit is None:
         yield Finding("wind", GREEN, f"tells {told:.1f} m/s; the plan names no limit")

@@ -14,7 +14,7 @@ from jfto_mavlink.io.signing import Signer
 from jfto_mavlink.mission.build import build_missions
 from jfto_mavlink.mission.changed import ChangedParameters
 from jfto_mavlink.mission.settings import MissionSettings
-from jfto_mavlink.preflight.page import GREEN, RED
+from jfto_mavlink.preflight.page import AMBER, GREEN, RED
 from jfto_mavlink.preflight.settings import GateSettings
 from jfto_mavlink.protocol.item import MISSION
 from jfto_sim import LinkFaults, Vehicle, VehicleConfig
@@ -93,14 +93,15 @@ def test_two_vehicles_under_one_system_id_are_found_before_anything_is_sent(plan
     assert "SYSID_THISMAV" in text
 
 
-def test_wind_beyond_the_plan_is_said_before_the_start(plan):
-    """FIELD 7: 8 m/s where the plan leaves room for 3, by a vehicle that can tell."""
-    drag = {"EK3_DRAG_BCOEF_X": 60.0, "EK3_DRAG_BCOEF_Y": 60.0}
-    windy = {"wind_mps": (8.0, 0.0), "parameters": drag}
+def test_wind_is_spoken_of_before_the_start(plan):
+    """FIELD 7: nobody said a word. A copter on the ground cannot tell; the plan's limit is said."""
+    windy = {"wind_mps": (8.0, 0.0)}
     ground = Ground(plan, gate=replace(NEVER, wind_max_mps=3.0), uav1=windy)
-    text = ground.refused()
-    assert "uav1: tells 8" in text
-    assert "trajectory.wind_mps 8" in text
+    page = preflight(ground.fleet, ground.orders.settings.gate)
+    (found,) = page.vehicles[0].of("wind")
+    assert found.level == AMBER
+    assert "cannot tell the wind; the plan allows for 3 m/s" in found.text
+    assert found.cure == "Measure it by hand."
 
 
 def test_a_charge_that_does_not_last_for_the_way_home_stops_the_start(plan):
