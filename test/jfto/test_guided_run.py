@@ -19,6 +19,8 @@ SCENE = ROOT / "test" / "data" / "scenario" / "short_flight.yaml"
 # Half a minute on an idle computer; one that runs many tests at once takes several.
 LIMIT_S = 600.0
 SPEEDUP = "8"
+# Targets, and what is told of positions, are late by so many times what a busy computer takes.
+LATENESS_S = 8 * 0.75
 # How late a bridge may make a fleet that is killed and started again, s of the vehicles' time.
 RESTARTED_S = 60.0
 
@@ -61,9 +63,8 @@ def test_a_guided_run_is_flown_to_its_end(tmp_path: Path) -> None:
     assert facts["flight"]["ended"] == "landed"
     assert facts["flight"]["processes_died"] == []
     flight = flown_facts(tmp_path / "run")
-    # Targets are late by eight times what this computer takes for them.
     assert flight["waypoints"]["worst_closest_m"] < 4.0
-    assert abs(flight["waypoints"]["worst_late_s"]) < 3.0
+    assert abs(flight["waypoints"]["worst_late_s"]) < LATENESS_S
     assert {one["how"] for one in flight["endings"]} == {"landed"}
     assert [one for one in flight["events"] if one["level"] >= 40] == []
     texts = [one["text"] for one in flight["events"]]
@@ -78,7 +79,7 @@ def test_a_planner_that_dies_changes_nothing(tmp_path: Path) -> None:
     assert [one["name"] for one in facts["flight"]["processes_died"]] == ["planner_node"]
     flight = flown_facts(tmp_path / "run")
     assert flight["waypoints"]["worst_closest_m"] < 4.0
-    assert abs(flight["waypoints"]["worst_late_s"]) < 3.0
+    assert abs(flight["waypoints"]["worst_late_s"]) < LATENESS_S
 
 
 @pytest.mark.slow
