@@ -57,6 +57,7 @@ def flown_facts(directory: Path) -> dict[str, Any]:
     return json.loads((directory / "flight.json").read_text())
 
 
+@pytest.mark.slow
 def test_a_guided_run_is_flown_to_its_end(tmp_path: Path) -> None:
     """Curves are streamed, never missions; all waypoints in time, all home and disarmed."""
     facts = fly(tmp_path / "run")

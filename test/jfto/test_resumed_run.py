@@ -72,6 +72,7 @@ def test_a_flight_whose_run_was_killed_is_taken_over(vehicles, tmp_path: Path) -
     assert told["waypoints"]["visited"] > 0
 
 
+@pytest.mark.slow
 def test_there_must_be_something_to_resume(tmp_path: Path, tiny: Path, capsys) -> None:
     """Another directory, or one whose vehicles ended with the run: said, with what can be done."""
     from jfto.cli.main import main

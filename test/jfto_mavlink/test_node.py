@@ -161,6 +161,7 @@ def test_an_abort_calls_a_start_off(graph, plan_file):
     graph.until(lambda: station.fact("uav1", "armed") == "false")
 
 
+@pytest.mark.slow
 def test_an_order_from_a_shell_reaches_the_vehicles_without_ros(graph, plan_file):
     """`jfto mission order`: all obey, and everybody is told what was ordered and came of it."""
     states = graph.collect(DiagnosticStatus, topics.MISSION_STATE, qos.latched())

@@ -5,6 +5,8 @@ from __future__ import annotations
 import threading
 import time
 
+import pytest
+
 from jfto_mavlink.fleet.link import FleetLink
 from jfto_mavlink.fleet.roster import parse_vehicles
 from jfto_mavlink.flight.control import StartLine
@@ -14,6 +16,7 @@ UAVS = ("uav1", "uav2")
 LIMIT_S = 90.0
 
 
+@pytest.mark.slow
 def test_waits_before_a_start_count_the_vehicles_time(vehicles):
     """Armed 4 s of the vehicle's time ahead: it would disarm itself after 10 s (DISARM_DELAY)."""
     fleet = vehicles(2, speedup=4)

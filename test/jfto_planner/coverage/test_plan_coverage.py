@@ -112,6 +112,7 @@ def test_mountain_scene_of_two_kilometres():
     assert again.waypoints == coverage.waypoints
 
 
+@pytest.mark.slow
 def test_gaps_of_a_thin_grid_are_filled_and_noted():
     """With hardly any overlap photos are added until 99 % is seen, each with a note."""
     dem = load_dem("jacksboro", center=CENTER, size_m=(1000, 1000))

@@ -51,6 +51,7 @@ def test_rest_to_rest_equals_the_closed_form(length, speed, accel, jerk):
     assert found == pytest.approx(expected, rel=1e-3)
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=20, derandomize=True)
 @given(st.integers(0, 100_000), st.floats(15, 300))
 def test_limits_hold_everywhere(seed, spread):

@@ -6,6 +6,7 @@ import itertools
 from dataclasses import fields
 
 import numpy as np
+import pytest
 import torch
 
 from jfto_planner.policy.compiled_policy import CompiledPolicy
@@ -33,6 +34,7 @@ def _likelihoods(policy: Policy, batch, paths: torch.Tensor) -> tuple[torch.Tens
     return total[0], episode.length[0]
 
 
+@pytest.mark.slow
 def test_sampling_estimates_the_gradient_of_the_expected_length() -> None:
     """On an instance with few enough outcomes to list them all, the exact gradient of E[L] equals
     the score-function form Σ π L ∇log π, and sampled rollouts with a baseline approach it.

@@ -80,6 +80,7 @@ def test_a_killed_run_resumes_with_the_same_curve(tmp_path) -> None:
         assert torch.equal(value, resumed.policy.state_dict()[name]), name
 
 
+@pytest.mark.slow
 def test_both_baselines_train(tmp_path) -> None:
     """The shared baseline moves the weights too."""
     stages = tuple(replace(stage, baseline="shared") for stage in CONFIG.stages)
@@ -89,6 +90,7 @@ def test_both_baselines_train(tmp_path) -> None:
     assert trainer.policy.decoder.stop_bias.item() != before
 
 
+@pytest.mark.slow
 def test_imitation_makes_the_routes_likelier(tmp_path) -> None:
     """Steps on one shard raise the likelihood of the search's routes there."""
     stage = replace(CONFIG.stages[0], steps=40, shards=1, instances=6, learning_rate=3e-3)
