@@ -121,7 +121,7 @@ def count_held(path: Path, text: str) -> int:
 def _count_simple(entries: list[Any]) -> int:
     return sum(
         1
-        if entry["type"] == "SimpleItem"
+        if entry.get("type") == "SimpleItem"
         else _count_simple(entry["TransectStyleComplexItem"]["Items"])
         for entry in entries
     )

@@ -214,7 +214,8 @@ def _sys_status(vehicle: VehicleState, message: Message, _: float) -> None:
 
 
 def _wind(vehicle: VehicleState, message: Message, _: float) -> None:
-    vehicle.wind_mps = message.speed
+    # A copter that has no estimate of the wind says 0 of it.
+    vehicle.wind_mps = message.speed or None
 
 
 def _mission_current(vehicle: VehicleState, message: Message, _: float) -> None:
