@@ -19,7 +19,9 @@ from typing import TYPE_CHECKING, Any
 from jfto.console.progress import SILENT, Progress
 from jfto.planning.scenario_file import LoadedScenario
 from jfto.planning.scenario_file import load_scenario as _load
+from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.records.plan import Plan
+from jfto_msgs_py.whole_numbers import checked_seed
 
 if TYPE_CHECKING:
     from jfto.analysis.comparison import Comparison
@@ -49,9 +51,19 @@ def load_scenario(path: str | Path, overrides: Mapping[str, Any] | None = None) 
     ------
     ScenarioError
         Lists every unknown key and every value out of range.
+    InputError
+        `path` is no path, or `overrides` no mapping.
     """
-    given = (overrides or {}).items()
-    return _load(path, [f"{k}={v if isinstance(v, str) else json.dumps(v)}" for k, v in given])
+    if not isinstance(path, str | Path):
+        raise InputError(f"load_scenario takes the path of a parameter file, not {_kind(path)}.")
+    if not isinstance(overrides or {}, Mapping):
+        raise InputError(
+            f'overrides is {_kind(overrides)}; give values by key, such as {{"network.k_min": 1}}.'
+        )
+    given = [
+        f"{k}={v if isinstance(v, str) else json.dumps(v)}" for k, v in (overrides or {}).items()
+    ]
+    return _load(path, given, "overrides")
 
 
 def cover(scenario: ScenarioLike, progress: Progress = SILENT) -> Coverage:
@@ -112,14 +124,14 @@ def plan(
     InfeasibleError
         The starts or the wind leave no plan at all.
     InputError
-        Terrain, waypoints or `warm_start` cannot be used.
+        Terrain, waypoints, `seed` (0 to 2147483647) or `warm_start` cannot be used.
     """
     from jfto.planning.routes import plan_routes
     from jfto.planning.survey import survey
 
     loaded = _loaded(scenario)
     if seed is not None:
-        search = replace(loaded.scenario.search, seed=seed)
+        search = replace(loaded.scenario.search, seed=checked_seed(seed))
         loaded = replace(loaded, scenario=replace(loaded.scenario, search=search))
     return plan_routes(loaded.scenario, survey(loaded, progress), progress, warm_start).plan
 
@@ -144,6 +156,7 @@ def topology(plan: Plan) -> Topology:
     """
     from jfto.planning.network import network_of, topology_of
 
+    plan = _checked(plan, "topology")
     return topology_of(plan, network_of(plan))
 
 
@@ -167,6 +180,7 @@ def power(plan: Plan) -> Allocation:
     """
     from jfto.planning.network import network_of, power_of, topology_of
 
+    plan = _checked(plan, "power")
     network = network_of(plan)
     return power_of(plan, network, topology_of(plan, network))[0]
 
@@ -196,6 +210,7 @@ def compare(plan: Plan, *, n_dc: int | None = None, progress: Progress = SILENT)
     """
     from jfto.analysis.comparison import compare as compared
 
+    plan = _checked(plan, "compare")
     first = round(0.3 * plan.slots.count) if n_dc is None else n_dc
     return compared(plan, first, progress)
 
@@ -228,6 +243,7 @@ def report(
     """
     from jfto.pipeline.run import Pipeline, Run, save_plan
 
+    plan = _checked(plan, "report")
     directory = Path(directory)
     directory.mkdir(parents=True, exist_ok=True)
     pipeline = Pipeline(_loaded(scenario), directory, progress)
@@ -238,4 +254,24 @@ def report(
 
 
 def _loaded(scenario: ScenarioLike) -> LoadedScenario:
-    return scenario if isinstance(scenario, LoadedScenario) else _load(scenario)
+    if isinstance(scenario, LoadedScenario):
+        return scenario
+    if not isinstance(scenario, str | Path):
+        raise InputError(
+            f"A scenario is one of jfto.load_scenario or the path of one, not {_kind(scenario)}."
+        )
+    return _load(scenario)
+
+
+def _checked(plan: Plan, function: str) -> Plan:
+    """`plan`, unless it is something else: a path, a scenario or a coverage."""
+    if not isinstance(plan, Plan):
+        raise InputError(
+            f"jfto.{function} takes a plan of jfto.plan or of jfto_msgs_py.plan_file.read_plan, "
+            f"not {_kind(plan)}."
+        )
+    return plan
+
+
+def _kind(value: object) -> str:
+    return f"{value!r}" if isinstance(value, str | int | float | None) else type(value).__name__

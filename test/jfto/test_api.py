@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import jfto
-from jfto_msgs_py.errors import ScenarioError
+from jfto_msgs_py.errors import InputError, ScenarioError
 
 TINY = Path(__file__).parents[1] / "data/scenario/tiny.yaml"
 
@@ -63,6 +63,37 @@ def test_overrides_are_values_and_wrong_ones_are_refused():
     assert scenario.search.seed == 5
     with pytest.raises(ScenarioError, match="Did you mean"):
         jfto.load_scenario(TINY, {"network.k_mim": 1})
+    with pytest.raises(ScenarioError, match=r"^((?!--set).)*overrides((?!--set).)*$"):
+        jfto.load_scenario(TINY, {"network.k_min": -1})
+
+
+@pytest.mark.parametrize("seed", [-1, 2**31, "a", 1.5, True])
+def test_seeds_are_those_of_the_command_line(seed):
+    """Whole numbers from 0 to 2147483647, as `--seed` takes them."""
+    with pytest.raises(InputError, match="seed is"):
+        jfto.plan(TINY, seed=seed)
+
+
+def test_what_is_no_scenario_or_plan_is_refused():
+    """The message says what the function takes."""
+    for wrong in (3, None, {}):
+        with pytest.raises(InputError, match="path of"):
+            jfto.load_scenario(wrong)
+    with pytest.raises(InputError, match="by key"):
+        jfto.load_scenario(TINY, "network.k_min=2")
+    for takes_scenario in (jfto.plan, jfto.cover):
+        with pytest.raises(InputError, match="not 5"):
+            takes_scenario(5)
+    for takes_plan in (jfto.topology, jfto.power, jfto.compare):
+        for wrong in ("small.json", jfto.load_scenario(TINY)):
+            with pytest.raises(InputError, match=r"takes a plan of jfto\.plan"):
+                takes_plan(wrong)
+
+
+def test_names_that_load_late_are_listed():
+    """`dir` has what a package exports, and nothing that it only uses."""
+    assert {"plan", "cover", "compare", "__version__"} <= set(dir(jfto))
+    assert not {"TYPE_CHECKING", "lazy_names"} & set(dir(jfto))
 
 
 def test_waypoints_of_any_origin_are_judged():

@@ -70,16 +70,19 @@ class LoadedScenario:
         return beside if beside.exists() or Path(name).is_absolute() else Path(name)
 
 
-def load_scenario(path: str | Path, overrides: Sequence[str] = ()) -> LoadedScenario:
+def load_scenario(
+    path: str | Path, overrides: Sequence[str] = (), said_in: str = "--set"
+) -> LoadedScenario:
     """Scenario from a file, with `key=value` overrides on top.
 
-    Raises ScenarioError that lists every problem in the file and the overrides.
+    Raises ScenarioError that lists every problem in the file and the overrides, which `said_in`
+    names.
     """
     path = Path(path)
     problems: list[str] = []
     node_options: dict[str, dict[str, Any]] = {}
     layers = _read_layers(path, problems, node_options)
-    layers.append(read_overrides(overrides, node_options, problems))
+    layers.append(read_overrides(overrides, node_options, problems, said_in))
     try:
         scenario = make_scenario(layers)
     except ScenarioError as error:
@@ -263,7 +266,10 @@ def _merge_node(
 
 
 def read_overrides(
-    overrides: Sequence[str], node_options: dict[str, dict[str, Any]], problems: list[str]
+    overrides: Sequence[str],
+    node_options: dict[str, dict[str, Any]],
+    problems: list[str],
+    said_in: str = "--set",
 ) -> dict[str, Given]:
     """Values of `key=value` texts by dotted key; what is wrong with them is added to `problems`.
 
@@ -274,26 +280,30 @@ def read_overrides(
         name, equals, raw = text.partition("=")
         name = name.strip()
         if not equals or not name:
-            problems.append(f"--set {text}: is not key=value. Write --set radio.noise_dbm=-105.")
+            problems.append(
+                f"{said_in} {text}: is not key=value. Write --set radio.noise_dbm=-105."
+            )
             continue
         key = _key_named(name)
         if key is not None and key.array and not raw.strip().startswith("["):
             raw = f"[{raw}]"
         if key is not None and not key.array and key.kind == "text":
-            layer[name] = Given(raw, "--set")
+            layer[name] = Given(raw, said_in)
             continue
         try:
             node = yaml.compose(raw, Loader=_Loader)
         except yaml.YAMLError:
-            problems.append(f"--set {text}: cannot read the value. Quote it or mend the brackets.")
+            problems.append(
+                f"{said_in} {text}: cannot read the value. Quote it or mend the brackets."
+            )
             continue
-        layer[name] = Given("" if node is None else _construct(node), "--set")
+        layer[name] = Given("" if node is None else _construct(node), said_in)
     for name in {name.partition(".")[0] for name in layer} & set(NODES):
         mine = {
             key[len(name) + 1 :]: layer.pop(key) for key in [*layer] if key.startswith(f"{name}.")
         }
         node_options.setdefault(name, {}).update(_take_options(name, mine, problems))
-        problems += [f"--set {name}.{key}: {name} has no such parameter." for key in mine]
+        problems += [f"{said_in} {name}.{key}: {name} has no such parameter." for key in mine]
     return layer
 
 

@@ -13,6 +13,7 @@ from jfto_msgs_py.records.plan import Origin, Plan, Route, Slots, Uav, Vector, W
 from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.types import Array
 from jfto_msgs_py.units import dbm_to_w, w_to_dbm
+from jfto_msgs_py.whole_numbers import whole_number
 from jfto_planner.routing.problem import RoutingProblem
 from jfto_planner.smoothing.trajectory import Trajectory
 from jfto_world.motion import ConstantSpeed, MotionLimits, TimeModel, time_model_named
@@ -169,8 +170,10 @@ def plan_of(
     Raises
     ------
     InputError
-        If the time model is one that a plan cannot name.
+        If routes are not one per UAV of indices 0 to W - 1, or the time model is one that a plan
+        cannot name.
     """
+    routes = _indices(problem, routes)
     radio = radio or Radio()
     sensitivity_w = float(dbm_to_w(radio.sensitivity_dbm))
     p_max_dbm = w_to_dbm(make_channel(radio).required_power(problem.reach_m, sensitivity_w))
@@ -203,6 +206,26 @@ def plan_of(
         uavs=uavs,
     )
     return build_plan(routes, terms, *_named(problem.time_model))
+
+
+def _indices(
+    problem: RoutingProblem, routes: Sequence[Sequence[int]]
+) -> tuple[tuple[int, ...], ...]:
+    """Routes as ints that exist: one that counts from the end would be another's waypoint."""
+    if len(routes) != problem.uav_count:
+        raise InputError(
+            f"routes has {len(routes)} entries for {problem.uav_count} UAVs; give one each."
+        )
+    checked = []
+    for a, route in enumerate(routes):
+        places = [whole_number(f"routes[{a}][{k}]", index) for k, index in enumerate(route)]
+        for k, index in enumerate(places):
+            if not 0 <= index < problem.waypoint_count:
+                raise InputError(
+                    f"routes[{a}][{k}] is {index}, must be from 0 to {problem.waypoint_count - 1}."
+                )
+        checked.append(tuple(places))
+    return tuple(checked)
 
 
 def _named(model: TimeModel) -> tuple[str, Mapping[str, float]]:

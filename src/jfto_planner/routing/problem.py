@@ -9,6 +9,7 @@ import numpy as np
 
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.types import Array, Flags
+from jfto_msgs_py.whole_numbers import whole_number
 from jfto_world.motion import ConstantSpeed, MotionLimits, TimeModel
 
 EnergyFloor = Callable[[Array, float], Array]
@@ -123,6 +124,7 @@ class RoutingProblem:
         return np.minimum(self.reach_m[:, None], self.reach_m[None, :])
 
     def _check_scalars(self) -> None:
+        object.__setattr__(self, "k_min", whole_number("k_min", self.k_min))
         if not 0 <= self.k_min < self.uav_count:
             raise InputError(
                 f"k_min is {self.k_min}, but {self.uav_count} UAVs can have at most "

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.whole_numbers import checked_seed
 from jfto_planner.routing.annealer import Annealer, Found
 from jfto_planner.routing.assess import Assessment, Routes, assess
 from jfto_planner.routing.problem import RoutingProblem
@@ -77,11 +78,12 @@ def search(
     Raises
     ------
     InputError
-        If `warm_start` does not visit every waypoint exactly once.
+        If `warm_start` does not visit every waypoint exactly once, or the seed is not a whole
+        number from 0 to 2147483647.
     """
     settings = settings or SearchSettings()
     given = None if warm_start is None else _checked(problem, warm_start)
-    monitor = _Monitor(problem, settings, seed, given)
+    monitor = _Monitor(problem, settings, checked_seed(seed), given)
     return monitor.run(progress)
 
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.types import Array, Flags
+from jfto_msgs_py.whole_numbers import whole_number
 from jfto_topology.algorithms.intervals import power_intervals, ring_powers
 from jfto_topology.algorithms.neighbour_levels import neighbour_levels
 from jfto_topology.algorithms.required_power import (
@@ -107,7 +108,9 @@ def _from_required(required_w: Array, p_max_w: Array, k_min: int, delta: int) ->
 
 
 def check_degree_rule(k_min: int, delta: int, uav_count: int) -> None:
-    """Raise InputError unless 0 ≤ K_min < A and δ ≥ 0."""
+    """Raise InputError unless 0 ≤ K_min < A and δ ≥ 0, both whole."""
+    whole_number("k_min", k_min)
+    whole_number("delta", delta)
     if not 0 <= k_min < uav_count:
         raise InputError(
             f"k_min is {k_min}, must be from 0 to {uav_count - 1}: each of {uav_count} UAVs has "
