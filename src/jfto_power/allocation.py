@@ -41,7 +41,9 @@ class PowerProblem:
             self._set(name, np.ascontiguousarray(getattr(self, name), dtype=np.float64))
         self._check_shapes()
         self._check_values()
-        self._set("names", self.names or tuple(f"uav{a + 1}" for a in range(self.energy_j.size)))
+        self._set(
+            "names", tuple(self.names) or tuple(f"uav{a + 1}" for a in range(self.energy_j.size))
+        )
 
     def prefix(self, stop: int) -> PowerProblem:
         """The same problem of slots 0 … `stop` - 1 alone."""
@@ -70,9 +72,15 @@ class PowerProblem:
             raise InputError(
                 f"energy_j has shape {self.energy_j.shape}, must be ({low.shape[1]},)."
             )
+        if self.names and len(self.names) != low.shape[1]:
+            raise InputError(f"names has {len(self.names)} entries for {low.shape[1]} UAVs.")
 
     def _check_values(self) -> None:
         gain, low, high, energy = self.gain, self.p_low_w, self.p_high_w, self.energy_j
+        if not isinstance(self.radio, Radio):
+            raise InputError(
+                f"radio is {self.radio!r}, must be a jfto_msgs_py.records.radio.Radio."
+            )
         if not self.slot_duration_s > 0:
             raise InputError(f"slot_duration_s is {self.slot_duration_s}, must be positive.")
         # Negated, so that NaN fails too.

@@ -125,13 +125,24 @@ def average_hops(adjacency: Flags) -> float:
     -------
     float
         Links on the way, 0 for a single UAV.
+
+    Raises
+    ------
+    InputError
+        `adjacency` has another shape.
     """
+    _check_square(adjacency)
     hops = hop_counts(adjacency)
     pairs = hops.shape[0] * hops.shape[1] * (hops.shape[1] - 1)
     if not pairs:
         return 0.0
     # The diagonal is 0, and -1 marks a pair without a path.
     return float("inf") if (hops < 0).any() else float(hops.sum() / pairs)
+
+
+def _check_square(adjacency: Flags) -> None:
+    if adjacency.ndim != 3 or adjacency.shape[1] != adjacency.shape[2]:
+        raise InputError(f"adjacency has shape {adjacency.shape}, must be (slots, UAVs, UAVs).")
 
 
 def hop_counts(adjacency: Flags) -> Ints:
@@ -190,7 +201,20 @@ def slot_throughput(adjacency: Flags, gain: Array, power_w: Array, radio: Radio)
     -------
     Array
         (M,), bit/s.
+
+    Raises
+    ------
+    InputError
+        Shapes do not fit together, or a power is negative.
     """
+    _check_square(adjacency)
+    if gain.shape != adjacency.shape or power_w.shape != adjacency.shape[:2]:
+        raise InputError(
+            f"gain has shape {gain.shape} and power_w {power_w.shape}, must be {adjacency.shape} "
+            f"and {adjacency.shape[:2]}."
+        )
+    if (power_w < 0).any():
+        raise InputError("power_w holds negative values, must be W from 0.")
     rate = np.where(adjacency, rate_bps(radio, power_w[:, :, None], gain), 0.0)
     return rate.sum(axis=(1, 2)) / 2
 

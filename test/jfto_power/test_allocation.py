@@ -218,6 +218,7 @@ def test_prefix_gets_the_best_allocation_and_nothing_after():
         ({4: np.ones(2)}, "energy_j has shape"),
         ({4: np.array([1.0, -1.0, 1.0])}, "must be joules from 0"),
         ({5: 0.0}, "slot_duration_s is 0.0"),
+        ({6: None}, "radio is None"),
     ],
 )
 def test_contradicting_arguments_are_refused(change, message):
@@ -227,3 +228,9 @@ def test_contradicting_arguments_are_refused(change, message):
         case[place] = value
     with pytest.raises(InputError, match=message):
         allocate(PowerProblem(*case))
+
+
+def test_names_are_one_for_each():
+    """A name too few would label another UAV's shortage."""
+    with pytest.raises(InputError, match="names has 2 entries for 3 UAVs"):
+        PowerProblem(*shortage_case(), names=("a", "b"))

@@ -59,6 +59,17 @@ def test_pairs_without_a_link_carry_nothing():
     assert slot_throughput(graph(3), gain, np.ones((1, 3)), RADIO).tolist() == [0.0]
 
 
+def test_arrays_that_do_not_fit_are_refused():
+    """Shapes are named, and powers below 0 W are none."""
+    links, gain, power = graph(3), np.ones((1, 3, 3)), np.ones((1, 3))
+    with pytest.raises(InputError, match=r"adjacency has shape \(3, 3\)"):
+        average_hops(links[0])
+    with pytest.raises(InputError, match=r"power_w \(3,\)"):
+        slot_throughput(links, gain, power[0], RADIO)
+    with pytest.raises(InputError, match="negative"):
+        slot_throughput(links, gain, -power, RADIO)
+
+
 def test_connectivity_rate_of_a_path_and_a_ring():
     """Losing an end of a path leaves 3 of 3, an inner UAV 2; a ring loses nobody else."""
     assert connectivity_rate(PATH, 0) == pytest.approx((3 + 2 + 2 + 3) / 4 / 3)

@@ -40,7 +40,7 @@ def a_lmst(
     sensitivity_w
         Received power that makes a link, γ in W.
     energy_j
-        Energy for transmission (A,) in J.
+        Energy for transmission (A,), or one for all, in J.
     slot_duration_s
         Δt in seconds.
     speed_mps

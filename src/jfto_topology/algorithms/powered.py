@@ -43,6 +43,8 @@ def played_out(
     InputError for a budget or slot that makes no sense.
     """
     energy = np.asarray(energy_j, dtype=np.float64)
+    if energy.ndim == 0:
+        energy = np.full(wanted_w.shape[1], energy)
     if energy.shape != wanted_w.shape[1:] or not (energy >= 0).all():
         raise InputError(f"energy_j is {energy.tolist()}, must be joules from 0, one per UAV.")
     if not slot_duration_s > 0:

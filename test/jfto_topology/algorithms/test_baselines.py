@@ -225,3 +225,13 @@ def test_senseless_arguments_are_refused(change, message):
     }
     with pytest.raises(InputError, match=message):
         a_lmst(**(arguments | change))
+
+
+def test_one_energy_serves_all():
+    """A single budget is that of every UAV."""
+    positions, caps_w = on_a_line(0.0, 500.0, 1000.0, slots=2), power_for(np.full(3, 700.0))
+    half_j = caps_w[0] / 2
+    one = mtp(positions, CHANNEL, caps_w, SENSITIVITY_W, half_j, 1.0)
+    each = mtp(positions, CHANNEL, caps_w, SENSITIVITY_W, np.full(3, half_j), 1.0)
+    assert np.array_equal(one.power_w, each.power_w)
+    assert one.power_w.tolist() == [caps_w.tolist(), [0.0, 0.0, 0.0]]
