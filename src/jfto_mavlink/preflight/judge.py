@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping
 
 from jfto_mavlink.mission.build import VehicleMission
@@ -26,6 +27,7 @@ from jfto_mavlink.preflight.settings import GateSettings
 from jfto_mavlink.protocol.parameter import equal
 
 Check = Callable[[Case], Iterable[Finding]]
+_LINK = "Switch it on; compare the address, its SYSID_THISMAV and its baud rate with --vehicles."
 
 
 def changes(case: Case) -> tuple[Change, ...]:
@@ -70,6 +72,12 @@ def judge(
         if not isinstance(one, Surveyed):
             text = str(one).removeprefix(f"{uav}: ")
             pages.append(VehiclePage(uav, (Finding("identity", RED, text),)))
+            continue
+        if math.isinf(one.now.silent_s) and not one.aboard.parameters:
+            # Nothing it could be judged by was ever received: each other line would be a guess.
+            pages.append(
+                VehiclePage(uav, (Finding("identity", RED, "not heard on its link", _LINK),))
+            )
             continue
         case = Case(mission, one.now, one.aboard, settings)
         who = "signed" if one.now.signed else "unsigned"

@@ -9,10 +9,11 @@ import pytest
 
 from jfto_mavlink.mission.fence import Circle, Fence, Polygon
 from jfto_mavlink.preflight.endurance import battery, needed_s, speed
+from jfto_mavlink.preflight.facts import Aboard, Snapshot, Surveyed
 from jfto_mavlink.preflight.failsafe import failsafe
 from jfto_mavlink.preflight.fence import fence
 from jfto_mavlink.preflight.home import home
-from jfto_mavlink.preflight.judge import changes, parameters
+from jfto_mavlink.preflight.judge import changes, judge, parameters
 from jfto_mavlink.preflight.pads import pads
 from jfto_mavlink.preflight.page import (
     AMBER,
@@ -219,3 +220,13 @@ def test_a_page_is_kept_as_it_is_and_strictly(make_case, tmp_path):
     (tmp_path / "page.json").write_text('{"format": "jfto-preflight", "version": 1}')
     with pytest.raises(InputError, match="lacks vehicles"):
         read_page(tmp_path / "page.json")
+
+
+def test_a_vehicle_never_heard_has_one_line(make_case):
+    """Nothing is known of it: no check is called fine, and no unknown figure is shown."""
+    case = make_case()
+    found = {case.mission.uav: Surveyed(Snapshot(np.inf), Aboard(unread="no parameter"))}
+    page = judge({case.mission.uav: case.mission}, found, case.settings)
+    (line,) = page.vehicles[0].findings
+    assert (line.level, line.text) == (RED, "not heard on its link")
+    assert line.cure
