@@ -65,6 +65,7 @@ def failsafe(case: Case) -> Iterator[Finding]:
     if not known:
         yield Finding("failsafe", AMBER, "its failsafes are not known")
         return
+    odd: set[str] = set()
     for rule in _RULES:
         if rule.name not in known or case.value(rule.name) not in rule.values:
             continue
@@ -73,9 +74,10 @@ def failsafe(case: Case) -> Iterator[Finding]:
         if rule.only_guided and not case.settings.guided:
             continue
         text = f"{rule.name} {case.value(rule.name):g}: {rule.text}"
+        odd.add(rule.name)
         yield Finding("failsafe", rule.level, text, rule.cure)
     yield from _never(case)
-    yield Finding("failsafe", GREEN, _summary(case))
+    yield Finding("failsafe", GREEN, _summary(case, odd))
 
 
 def _never(case: Case) -> Iterator[Finding]:
@@ -88,18 +90,22 @@ def _never(case: Case) -> Iterator[Finding]:
             yield Finding("failsafe", AMBER, text, f"Set BATT_{kind}_VOLT or BATT_{kind}_MAH.")
 
 
-def _summary(case: Case) -> str:
-    def does(name: str, words: dict[int, str]) -> str:
+def _summary(case: Case, odd: set[str]) -> str:
+    """What each failsafe does, without those in `odd`: they have a line of their own."""
+    table = (
+        ("battery low", "BATT_FS_LOW_ACT", _BATTERY),
+        ("battery empty", "BATT_FS_CRT_ACT", _BATTERY),
+        ("station lost", "FS_GCS_ENABLE", _GCS),
+        ("remote lost", "FS_THR_ENABLE", _THROTTLE),
+        ("position lost", "FS_EKF_ACTION", _EKF),
+    )
+    said = []
+    for subject, name, words in table:
         value = int(case.value(name))
-        return words.get(value, f"{name} {value}")
-
+        if name not in odd:
+            said.append(f"{subject}: {words.get(value, f'{name} {value}')}")
     options = int(case.value("FS_OPTIONS"))
     goes_on = _GUIDED_GOES_ON if case.settings.guided else _AUTO_GOES_ON
-    return (
-        f"battery low: {does('BATT_FS_LOW_ACT', _BATTERY)}, "
-        f"empty: {does('BATT_FS_CRT_ACT', _BATTERY)}; "
-        f"station lost: {does('FS_GCS_ENABLE', _GCS)}; "
-        f"remote lost: {does('FS_THR_ENABLE', _THROTTLE)}; "
-        f"position lost: {does('FS_EKF_ACTION', _EKF)}"
-        + (f"; FS_OPTIONS {options} lets it fly on" if options & goes_on else "")
-    )
+    if options & goes_on:
+        said.append(f"FS_OPTIONS {options} lets it fly on")
+    return "; ".join(said) or "nothing else is set"
