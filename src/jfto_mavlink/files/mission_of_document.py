@@ -12,6 +12,7 @@ from jfto_msgs_py.mission_file import FileItem, MissionDocument
 
 _INT32 = 2**31
 _FLOAT32 = 3.4e38
+_TERRAIN_FRAMES = (10, 11)
 _HIGHEST_M = 100_000.0
 
 
@@ -19,6 +20,12 @@ def mission_of_document(document: MissionDocument, name: str) -> Mission:
     """The mission of a file; raises MissionFileError for what an item cannot carry."""
     items = tuple(map(_item, document.items))
     notes = list(document.notes)
+    over_terrain = sum(item.frame in _TERRAIN_FRAMES and item.is_nav for item in items)
+    if over_terrain:
+        notes.append(
+            f"{name}: {over_terrain} items are above the terrain (frame 10): the vehicle must have "
+            "the terrain's data, else it descends"
+        )
     if items:
         items = (_home(document, items, notes, name), *items)
     fence, rally = (tuple(map(_item, part)) for part in (document.fence, document.rally))

@@ -15,6 +15,10 @@ RALLY = 5100
 # Commands whose fourth parameter, a heading, may be left open, and those whose reserved parameters
 # QGroundControl leaves open: a vehicle takes 0 for both, and refuses "not a number".
 _OPEN_HEADING = frozenset((16, 17, 18, 19, 21, 22, 31, 82, 84, 85, 92))
+# Where a vehicle flies to or looks: what is open there would be 0 degrees, or the height of home.
+_PLACED = frozenset((16, 17, 18, 19, 31, 82, 195, 201, *FENCE_COMMANDS, RALLY))
+_TAKEOFF = 22
+_PLACE_NAMES = {4: "latitude", 5: "longitude", 6: "altitude"}
 _OPEN_RESERVED = frozenset((203, 206, 214, 530, 531, 532, 2000, 2001, 2500, 2501))
 
 
@@ -39,8 +43,15 @@ class FileItem:
     left_open: tuple[bool, ...] = field(init=False, default=())
 
     def __post_init__(self) -> None:
-        """Put 0 where an open parameter means just that."""
-        open_here = {4, 5, 6}
+        """Put 0 where an open parameter means just that. Raises MissionTextError for a place."""
+        open_here = set() if self.command in _PLACED else {4, 5, 6}
+        if self.command == _TAKEOFF:
+            open_here.remove(6)
+        for index, name in _PLACE_NAMES.items():
+            if index not in open_here and math.isnan(self.params[index]):
+                raise MissionTextError(
+                    f"{self.place}: the {name} of command {self.command} is left open. Set it."
+                )
         if self.command in _OPEN_HEADING:
             open_here.add(3)
         if self.command in _OPEN_RESERVED:

@@ -65,6 +65,28 @@ def test_another_open_parameter_is_named(tmp_path):
         check_limits("m", read_mission(plan(tmp_path, change)).items, MissionLimits())
 
 
+@pytest.mark.parametrize("index", [4, 5, 6])
+def test_an_open_place_is_refused(tmp_path, index):
+    """A waypoint without latitude, longitude or height is never one at 0."""
+
+    def change(document):
+        document["mission"]["items"][1]["params"][index] = None
+
+    with pytest.raises(MissionFileError, match=r"tude of command 16 is left open\. Set it"):
+        read_mission(plan(tmp_path, change))
+    row = ["2", "0", "3", "16", "0", "0", "0", "0", "46.2001", "7.6001", "60", "1"]
+    row[index + 4] = "nan"
+    with pytest.raises(MissionFileError, match=r"tude of command 16 is left open\. Set it"):
+        read_mission(wpl(tmp_path, HOME, UP, " ".join(row)))
+
+
+def test_heights_above_the_terrain_are_said(tmp_path):
+    """Without terrain data a vehicle descends there."""
+    row = "2 0 10 16 0 0 0 0 46.2001 7.6001 60 1"
+    notes = read_mission(wpl(tmp_path, HOME, UP, row)).notes
+    assert any("1 items are above the terrain" in note for note in notes)
+
+
 def test_rally_and_fence_among_waypoints_are_kept(tmp_path):
     """A list of all kinds is sorted, and nothing of it is dropped."""
     mission = read_mission(CASES / "06-rally-in-mission.waypoints")
