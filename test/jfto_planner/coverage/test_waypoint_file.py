@@ -187,7 +187,7 @@ BAD = {
         plan({"type": "ComplexItem", "complexItemType": "StructureScan"}),
         "'StructureScan'",
     ),
-    "null latitude": ("w.plan", plan(item(lat=None)), "latitude is None"),
+    "null latitude": ("w.plan", plan(item(lat=None)), "the latitude of command 16 is left open"),
 }
 
 
