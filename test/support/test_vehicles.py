@@ -15,7 +15,7 @@ def test_each_vehicle_is_reached_by_its_link_and_by_a_pilot(vehicles: Starter):
         assert pilot.parameter("RTL_ALT") == 4200.0
 
 
-def test_a_vehicle_that_is_powered_off_is_silent(vehicles: Starter):
+def test_powering_one_vehicle_off_leaves_the_other(vehicles: Starter):
     """The other one flies on."""
     two = vehicles(2)
     first, second = two.pilot(1), two.pilot(2)

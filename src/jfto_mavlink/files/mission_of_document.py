@@ -23,8 +23,8 @@ def mission_of_document(document: MissionDocument, name: str) -> Mission:
     over_terrain = sum(item.frame in _TERRAIN_FRAMES and item.is_nav for item in items)
     if over_terrain:
         notes.append(
-            f"{name}: {over_terrain} items are above the terrain (frame 10): the vehicle must have "
-            "the terrain's data, else it descends"
+            f"{name}: {over_terrain} items are above the terrain (frames 10, 11): the vehicle "
+            "must have the terrain's data, else it descends"
         )
     if items:
         items = (_home(document, items, notes, name), *items)

@@ -79,7 +79,7 @@ def _problems(item: Item, home: Item, limits: MissionLimits) -> list[str]:
     if item.frame not in _PLACED_FRAMES:
         found.append(
             f"frame {item.frame} of command {item.command} is none with latitude, longitude and "
-            "height: use 0 (sea level), 3 (home) or 10 (terrain)"
+            "height: use 0 (sea level) or 3 (home)"
         )
     if item.frame in (FRAME_HOME, 6, FRAME_TERRAIN, 11) and not (
         limits.height_min_m <= item.z <= limits.height_max_m
