@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -28,6 +28,7 @@ from jfto_msgs_py.records.plan import (
     Waypoint,
 )
 from jfto_msgs_py.records.radio import Radio
+from jfto_msgs_py.records.site import Fence, Polygon, Sortie
 from jfto_msgs_py.records.way_home import WayHome
 
 PLAN = FileKind(
@@ -82,6 +83,9 @@ def plan_text(plan: Plan) -> str:
         "length_max_m": plan.length_max_m,
         "time_model": plan.time_model,
         "time_parameters": plan.time_parameters,
+        "sortie": plan.sortie,
+        "area": plan.area,
+        "fence": plan.fence,
         "slots": {"count": slots.count, "duration_s": slots.duration_s},
         "waypoints": plan.waypoints,
         "uavs": [
@@ -103,7 +107,8 @@ def plan_text(plan: Plan) -> str:
 def rounded_waypoint(waypoint: Waypoint) -> Waypoint:
     """The waypoint as a plan file will hold it, so that times computed from it stay true."""
     yaw_deg, pitch_deg = rounded_record((waypoint.yaw_deg, waypoint.pitch_deg))
-    return Waypoint(waypoint.id, tuple(rounded_record(waypoint.position_m)), yaw_deg, pitch_deg)
+    position_m = tuple(rounded_record(waypoint.position_m))
+    return replace(waypoint, position_m=position_m, yaw_deg=yaw_deg, pitch_deg=pitch_deg)
 
 
 def rounded_record(value: Any) -> Any:
@@ -170,7 +175,8 @@ class _Uav:
 class _Document:
     """The members of a plan file.
 
-    Plans at constant speed, the first, had no time_parameters; those of version 1 no wind_mps.
+    Plans at constant speed, the first, had no time_parameters; those of version 1 no wind_mps, and
+    those of version 2 nothing of the site.
     """
 
     scenario_hash: Text
@@ -190,6 +196,9 @@ class _Document:
     certificate: Certificate | None
     time_parameters: Mapping[str, float] = field(default_factory=dict, metadata=MAY_LACK)
     wind_mps: NotNegative = field(default=0.0, metadata=MAY_LACK)
+    area: tuple[Polygon, ...] = field(default=(), metadata=MAY_LACK)
+    fence: Fence | None = field(default=None, metadata=MAY_LACK)
+    sortie: Sortie = field(default=Sortie(), metadata=MAY_LACK)
 
 
 def plan_of_text(text: str, path: Path) -> Plan:
@@ -226,6 +235,9 @@ def plan_of_text(text: str, path: Path) -> Plan:
         trajectories=tuple(map(dict, document.trajectories)),
         homes=tuple(uav.home for uav in document.uavs if uav.home is not None),
         wind_mps=document.wind_mps,
+        area=document.area,
+        fence=document.fence,
+        sortie=document.sortie,
     )
 
 
@@ -250,9 +262,30 @@ def _faults(document: _Document) -> Iterator[str]:
     yield from _wrong_count("positions_m", document.positions_m, len(uavs))
     for index, positions in enumerate(document.positions_m):
         yield from _wrong_count(f"positions_m[{index}]", positions, document.slots.count + 1)
+    yield from _site_faults(document)
     floors = () if document.certificate is None else document.certificate.energy_floor_j
     if floors:
         yield from _wrong_count("certificate.energy_floor_j", floors, len(uavs))
+
+
+def _site_faults(document: _Document) -> Iterator[str]:
+    if document.sortie.number > document.sortie.count:
+        number, count = document.sortie.number, document.sortie.count
+        yield f"sortie.number is {number} of {count}. Correct one of them."
+    fence = document.fence or Fence()
+    rings = [(f"area[{k}]", part) for k, part in enumerate(document.area)]
+    rings += [(f"fence.keep_in[{k}]", part) for k, part in enumerate(fence.keep_in)]
+    for where, part in rings:
+        for ring in (part.outer, *part.holes):
+            if len(ring) < 3:
+                yield f"{where} has a ring of {len(ring)} corners, needs 3. {PLAN.cure}"
+    for index, zone in enumerate(fence.keep_out):
+        where = f"fence.keep_out[{index}] ({zone.name})"
+        if (len(zone.outer) >= 3) == (zone.radius_m > 0) or 0 < len(zone.outer) < 3:
+            yield f"{where} must be either a ring of 3 corners or more or a circle. {PLAN.cure}"
+        low, high = zone.bottom_m, zone.top_m
+        if low is not None and high is not None and low >= high:
+            yield f"{where}: bottom_m is not below top_m. Exchange them."
 
 
 def _route_faults(where: str, uav: _Uav, known: set[int]) -> Iterator[str]:

@@ -6,6 +6,7 @@ import json
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from jfto_msgs_py.plan_file import plan_of_text, plan_text, read_plan, rounded, 
 from jfto_msgs_py.records.certificate import Certificate, Violation
 from jfto_msgs_py.records.plan import Origin, Plan, Route, Slots, Uav, Waypoint
 from jfto_msgs_py.records.radio import Radio
+from jfto_msgs_py.records.site import Fence, Polygon, Sortie, Zone
 from jfto_msgs_py.records.way_home import WayHome
 
 
@@ -62,10 +64,10 @@ def test_the_file_has_the_agreed_keys() -> None:
     """Other programs find every agreed key, and plain JSON numbers only."""
     found = json.loads(plan_text(_plan()))
     assert found["format"] == "jfto-plan"
-    assert found["version"] == 2
+    assert found["version"] == 3
     assert set(found["origin"]) == {"lat", "lon", "alt_m"}
     assert set(found["slots"]) == {"count", "duration_s"}
-    assert set(found["waypoints"][0]) == {"id", "position_m", "yaw_deg", "pitch_deg"}
+    assert set(found["waypoints"][0]) == {"id", "position_m", "yaw_deg", "pitch_deg", "photo"}
     assert set(found["uavs"][0]) >= {
         *("id", "p_max_dbm", "energy_j", "t_max_s", "speed_mps"),
         *("start_m", "route", "arrival_s", "length_m"),
@@ -120,19 +122,66 @@ def test_a_place_that_cannot_be_written_is_named(tmp_path: Path) -> None:
         write_plan(_plan(), tmp_path / "file" / "plan.json")
 
 
-def test_a_plan_of_version_1_is_read_without_what_it_did_not_know() -> None:
-    """No way home, no endurance, no wind; it is written as version 2."""
+@pytest.mark.parametrize("version", [1, 2])
+def test_a_plan_of_an_older_version_is_read_without_what_it_did_not_know(version: int) -> None:
+    """No site before version 3, no way home, endurance or wind in 1; it is written as version 3."""
     document = json.loads(plan_text(_plan()))
-    document["version"] = 1
-    del document["wind_mps"]
-    for uav in document["uavs"]:
+    document["version"] = version
+    for name in ("area", "fence", "sortie", *(["wind_mps"] if version == 1 else [])):
+        del document[name]
+    for waypoint in document["waypoints"]:
+        del waypoint["photo"]
+    for uav in document["uavs"] if version == 1 else []:
         del uav["home"], uav["endurance_s"]
     plan = plan_of_text(json.dumps(document), Path("old.json"))
     assert (plan.homes, plan.landed_s, plan.wind_mps) == ((), None, 0.0)
-    assert json.loads(plan_text(plan))["version"] == 2
-    document["version"] = 3
-    with pytest.raises(PlanError, match="version is 3, this program reads 1 and 2"):
+    assert (plan.area, plan.fence, plan.sortie) == ((), None, Sortie(1, 1))
+    assert all(waypoint.photo for waypoint in plan.waypoints)
+    assert json.loads(plan_text(plan))["version"] == 3
+    document["version"] = 4
+    with pytest.raises(PlanError, match="version is 4, this program reads 1 and 2 and 3"):
         plan_of_text(json.dumps(document), Path("newer.json"))
+
+
+_SQUARE = ((0.0, 0.0), (9.0, 0.0), (9.0, 9.0), (0.0, 9.0))
+
+
+def test_the_site_comes_back_from_its_file() -> None:
+    """Area with a hole, fence with a ring and a circle, the sortie, a waypoint without photo."""
+    hole = ((2.0, 2.0), (3.0, 2.0), (3.0, 3.0))
+    fence = Fence(
+        (Polygon(_SQUARE),),
+        (Zone("mast", (), (4.0, 5.0), 2.5, None, 80.0), Zone("house", _SQUARE)),
+        5.0,
+    )
+    plan = _plan()
+    passed = replace(plan.waypoints[0], photo=False)
+    plan = replace(
+        plan,
+        area=(Polygon(_SQUARE, (hole,)),),
+        fence=fence,
+        sortie=Sortie(2, 3),
+        waypoints=(passed, *plan.waypoints[1:]),
+    )
+    back = plan_of_text(plan_text(plan), Path("plan.json"))
+    assert (back.area, back.fence, back.sortie) == (plan.area, plan.fence, plan.sortie)
+    assert [waypoint.photo for waypoint in back.waypoints] == [False, True, True]
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"sortie": Sortie(3, 2)}, "sortie.number is 3 of 2"),
+        ({"area": (Polygon(((0.0, 0.0), (1.0, 1.0))),)}, "area\\[0\\] has a ring of 2 corners"),
+        ({"fence": Fence(keep_out=(Zone("mast"),))}, "either a ring of 3 corners or more or a"),
+        ({"fence": Fence(keep_out=(Zone("hut", _SQUARE, radius_m=1.0),))}, "either a ring"),
+        ({"fence": Fence(keep_out=(Zone("hut", _SQUARE, (0.0, 0.0), 0.0, 9.0, 8.0),))}, "below"),
+    ],
+)
+def test_an_impossible_site_is_refused(change: dict[str, Any], said: str) -> None:
+    """Each contradiction names the member and what to do."""
+    with pytest.raises(PlanError, match=said):
+        plan_of_text(plan_text(replace(_plan(), **change)), Path("plan.json"))
 
 
 def test_a_way_home_comes_back_from_its_file() -> None:

@@ -10,16 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.records.certificate import Certificate
-from jfto_msgs_py.records.fields import Range
+from jfto_msgs_py.records.fields import MAY_LACK, Range
 from jfto_msgs_py.records.radio import Radio
+from jfto_msgs_py.records.site import Fence, Polygon, Sortie
 from jfto_msgs_py.records.way_home import WayHome
 
 Vector = tuple[float, float, float]
 
 PLAN_FORMAT = "jfto-plan"
-PLAN_VERSION = 2
-# Plans of version 1 say nothing of the way home, of endurance and of wind.
-PLAN_VERSIONS_READ = (1, 2)
+PLAN_VERSION = 3
+# Plans of version 1 say nothing of the way home, of endurance and of wind; those of version 2
+# nothing of area, fence and sortie.
+PLAN_VERSIONS_READ = (1, 2, 3)
 
 
 @dataclass(frozen=True)
@@ -36,12 +38,14 @@ class Waypoint:
     """A camera position in ENU metres and where the camera looks.
 
     `yaw_deg` is clockwise from north, `pitch_deg` is 0 at the horizon and -90 straight down.
+    Without `photo` it is a place that a route only passes, round a no-fly zone.
     """
 
     id: Annotated[int, Range(0)]
     position_m: Vector
     yaw_deg: float = 0.0
     pitch_deg: Annotated[float, Range(-90, 90)] = -90.0
+    photo: bool = field(default=True, metadata=MAY_LACK)
 
 
 @dataclass(frozen=True)
@@ -104,7 +108,8 @@ class Plan:
     `time_model` and `time_parameters` say how routes turn into times; under "bezier" the flight is
     `trajectories`, one record per UAV, which is empty otherwise. `homes` are the ways home, one per
     UAV, empty where none is planned. `wind_mps` is the wind that speeds leave room for below the
-    tilt limit; times are for calm air. `certificate` is None before the check.
+    tilt limit; times are for calm air. `area` is what is to be seen, empty where it is the whole
+    rectangle of the terrain or nobody said. `certificate` is None before the check.
     """
 
     scenario_hash: str
@@ -126,6 +131,9 @@ class Plan:
     trajectories: tuple[dict[str, Any], ...] = field(default=())
     homes: tuple[WayHome, ...] = ()
     wind_mps: float = 0.0
+    area: tuple[Polygon, ...] = ()
+    fence: Fence | None = None
+    sortie: Sortie = field(default_factory=Sortie)
 
     @property
     def total_length_m(self) -> float:
