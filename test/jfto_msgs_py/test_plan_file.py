@@ -122,6 +122,14 @@ def test_a_place_that_cannot_be_written_is_named(tmp_path: Path) -> None:
         write_plan(_plan(), tmp_path / "file" / "plan.json")
 
 
+def test_every_key_of_the_file_is_in_the_reference() -> None:
+    """docs/reference/plan.md names each member of the file and of its waypoints and UAVs."""
+    page = (Path(__file__).parents[2] / "docs/reference/plan.md").read_text()
+    found = json.loads(plan_text(_plan()))
+    for part in (found, found["waypoints"][0], found["uavs"][0], found["slots"], found["sortie"]):
+        assert [name for name in part if f"`{name}`" not in page and f".{name}`" not in page] == []
+
+
 @pytest.mark.parametrize("version", [1, 2])
 def test_a_plan_of_an_older_version_is_read_without_what_it_did_not_know(version: int) -> None:
     """No site before version 3, no way home, endurance or wind in 1; it is written as version 3."""
