@@ -4,6 +4,7 @@ JftoError
 ├── InputError            a file, key or argument is wrong (exit status 2)
 │   ├── ScenarioError     scenario file or parameter
 │   ├── TerrainError      elevation model
+│   ├── SiteError         file of areas or no-fly zones
 │   ├── WaypointError     waypoint file or set
 │   └── PlanError         plan file
 ├── InfeasibleError       the wish cannot be met as stated (exit status 3)
@@ -37,6 +38,10 @@ class ScenarioError(InputError):
 
 class TerrainError(InputError):
     """An elevation model cannot be read, or does not hold what is asked of it."""
+
+
+class SiteError(InputError):
+    """Areas or no-fly zones cannot be read or used."""
 
 
 class WaypointError(InputError):

@@ -49,7 +49,7 @@ _SECTIONS = {"mission": 2, "geoFence": 2, "rallyPoints": 2, "polygon": 1, "circl
 
 def parse_plan(text: str, name: str) -> MissionDocument:
     """What the text of a `.plan` holds. Raises MissionTextError, naming file and item."""
-    return plan_of_document(_json(text, name), name)
+    return plan_of_document(json_of_plan(text, name), name)
 
 
 def plan_of_document(document: Any, name: str) -> MissionDocument:
@@ -57,7 +57,9 @@ def plan_of_document(document: Any, name: str) -> MissionDocument:
     return _PlanReader(name).read(document)
 
 
-def _json(text: str, name: str) -> Any:
+def json_of_plan(text: str, name: str) -> Any:
+    """Parsed JSON of a `.plan`, nothing of it checked. Raises MissionTextError."""
+
     def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         found = dict(pairs)
         if len(found) != len(pairs):

@@ -34,8 +34,13 @@ class Placing:
     note: str
 
 
-def placing(crs: CRS, name: str, bounds_deg: tuple[float, float, float, float]) -> Placing:
-    """The best transformation within bounds (west, south, east, north).
+def placing(
+    crs: CRS,
+    name: str,
+    bounds_deg: tuple[float, float, float, float],
+    tool: str = "gdalwarp",
+) -> Placing:
+    """The best transformation within bounds (west, south, east, north); `tool` converts files.
 
     Raises TerrainError where none is known: PROJ would then take coordinates of an old datum
     unshifted, up to some 100 m from where they are.
@@ -67,10 +72,10 @@ def placing(crs: CRS, name: str, bounds_deg: tuple[float, float, float, float]) 
     except ProjError as error:
         raise TerrainError(
             f"{name} has a coordinate system ({crs.name}) that cannot be brought to WGS-84 "
-            f"({str(error)[:120]}). Convert it with gdalwarp -t_srs EPSG:4326."
+            f"({str(error)[:120]}). Convert it with {tool} -t_srs EPSG:4326."
         ) from error
     raise TerrainError(
         f"{name} is on the datum {datum_name}, for which PROJ knows no shift to WGS-84 there; "
         "unshifted it may lie 100 m off. Convert it with the shift of your survey office "
-        "(gdalwarp -s_srs '… +towgs84=…' -t_srs EPSG:4326), or get it on WGS-84."
+        f"({tool} -s_srs '… +towgs84=…' -t_srs EPSG:4326), or get it on WGS-84."
     )
