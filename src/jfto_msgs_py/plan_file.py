@@ -14,7 +14,7 @@ import numpy as np
 from jfto_msgs_py.errors import PlanError
 from jfto_msgs_py.files import FileKind, plain, read_text, record_of_text, write_file
 from jfto_msgs_py.records.certificate import Certificate
-from jfto_msgs_py.records.fields import FILLED, MAY_LACK, Range
+from jfto_msgs_py.records.fields import FILLED, MAY_LACK, Range, record_from
 from jfto_msgs_py.records.plan import (
     PLAN_FORMAT,
     PLAN_VERSION,
@@ -207,37 +207,16 @@ def plan_of_text(text: str, path: Path) -> Plan:
     fault = next(_faults(document), None)
     if fault is not None:
         raise PlanError(f"{path}: {fault}")
-    return Plan(
-        scenario_hash=document.scenario_hash,
-        seed=document.seed,
-        origin=Origin(document.origin.lat, document.origin.lon, document.origin.alt_m),
-        radio=document.radio,
-        k_min=document.k_min,
-        delta=document.delta,
-        d_min_m=document.d_min_m,
-        length_max_m=document.length_max_m,
-        slots=document.slots,
-        waypoints=document.waypoints,
-        uavs=tuple(
-            Uav(
-                uav.id,
-                start_m=uav.start_m,
-                endurance_s=uav.endurance_s,
-                **{name: getattr(uav, name) for name in UAV_LIMITS},
-            )
-            for uav in document.uavs
-        ),
-        routes=tuple(Route(uav.route, uav.arrival_s, uav.length_m) for uav in document.uavs),
+    uavs, origin = document.uavs, document.origin
+    return record_from(
+        document,
+        Plan,
+        origin=Origin(origin.lat, origin.lon, origin.alt_m),
+        uavs=tuple(record_from(uav, Uav) for uav in uavs),
+        routes=tuple(record_from(uav, Route, waypoint_ids=uav.route) for uav in uavs),
+        homes=tuple(uav.home for uav in uavs if uav.home is not None),
         positions_m=np.array(document.positions_m, dtype=np.float64),
-        certificate=document.certificate,
-        time_model=document.time_model,
-        time_parameters=document.time_parameters,
         trajectories=tuple(map(dict, document.trajectories)),
-        homes=tuple(uav.home for uav in document.uavs if uav.home is not None),
-        wind_mps=document.wind_mps,
-        area=document.area,
-        fence=document.fence,
-        sortie=document.sortie,
     )
 
 

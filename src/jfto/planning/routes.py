@@ -191,10 +191,10 @@ def _as_flown(
         horizon_s=mission.horizon_s or None,
         waypoints=found.waypoints,
         uavs=plan_uavs(scenario, problem.starts_m),
+        wind_mps=planned_wind_mps(scenario),
     )
     curves = flight.trajectories(problem, routes, scenario.fleet.ids, found.dem.height)
-    plan = build_plan(routes, terms, flight.name, flight.parameters, curves)
-    return rounded(replace(plan, wind_mps=planned_wind_mps(scenario)))
+    return rounded(build_plan(routes, terms, flight.name, flight.parameters, curves))
 
 
 def certify_plan(

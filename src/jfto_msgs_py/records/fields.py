@@ -10,7 +10,9 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, get_args, get_origin, get_type_hints
+from typing import Any, TypeVar, get_args, get_origin, get_type_hints
+
+Record = TypeVar("Record")
 
 # For `Annotated`: text that is not empty; a number that is null where it is not known.
 FILLED = "filled"
@@ -101,3 +103,13 @@ def keys_of(part: type, prefix: str) -> tuple[Key, ...]:
         name = f"{prefix}.{field.name}"
         keys.append(Key(name, kind, array, field.default, **field.metadata))
     return tuple(keys)
+
+
+def record_from(source: Any, kind: type[Record], **made: Any) -> Record:
+    """A record of `kind` with the members that `made` has, and of the same names those of `source`.
+
+    Raises TypeError where a member without a default is in neither.
+    """
+    wanted = {field.name for field in dataclasses.fields(kind)}  # type: ignore[arg-type]
+    same = {field.name for field in dataclasses.fields(source)} & wanted
+    return kind(**{name: getattr(source, name) for name in same - made.keys()}, **made)

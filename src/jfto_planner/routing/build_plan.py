@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.plan_file import rounded_record
+from jfto_msgs_py.records.fields import record_from
 from jfto_msgs_py.records.plan import Origin, Plan, Route, Slots, Uav, Vector, Waypoint
 from jfto_msgs_py.records.radio import Radio
+from jfto_msgs_py.records.site import Fence, Polygon, Sortie
 from jfto_msgs_py.types import Array
 from jfto_msgs_py.units import dbm_to_w, w_to_dbm
 from jfto_msgs_py.whole_numbers import whole_number
@@ -29,7 +31,8 @@ ANY_ENERGY_J = 1e9
 class PlanTerms:
     """What a plan says whatever its routes are; lengths in m, ENU about `origin`.
 
-    Slots divide `horizon_s`, or the makespan where it is None, into `slot_count`.
+    Members that `Plan` has too go into it as they are. Slots divide `horizon_s`, or the makespan
+    where it is None, into `slot_count`.
     """
 
     scenario_hash: str
@@ -44,6 +47,10 @@ class PlanTerms:
     horizon_s: float | None
     waypoints: tuple[Waypoint, ...]
     uavs: tuple[Uav, ...]
+    wind_mps: float = 0.0
+    area: tuple[Polygon, ...] = ()
+    fence: Fence | None = None
+    sortie: Sortie = field(default_factory=Sortie)
 
 
 def build_plan(
@@ -97,18 +104,10 @@ def build_plan(
     if horizon_s is None:
         horizon_s = max(float(arrival[-1]) for arrival, _ in flights)
     slots = Slots(terms.slot_count, horizon_s / terms.slot_count)
-    return Plan(
-        scenario_hash=terms.scenario_hash,
-        seed=terms.seed,
-        origin=terms.origin,
-        radio=terms.radio,
-        k_min=terms.k_min,
-        delta=terms.delta,
-        d_min_m=terms.d_min_m,
-        length_max_m=terms.length_max_m,
+    return record_from(
+        terms,
+        Plan,
         slots=slots,
-        waypoints=waypoints,
-        uavs=uavs,
         routes=tuple(
             Route(
                 waypoint_ids=tuple(waypoints[index].id for index in route),
