@@ -61,7 +61,15 @@ def _motion() -> None:
 
 def _network() -> None:
     from jfto_power import PowerProblem, allocate
-    from jfto_topology import a_lmst, average_hops, connectivity_rate, cpapo, ctop
+    from jfto_topology import (
+        Air,
+        a_lmst,
+        average_hops,
+        connectivity_rate,
+        cpapo,
+        ctop,
+        ctop_elastic,
+    )
 
     radio, sensitivity_w, energy_j = Radio(), 1e-10, np.ones(4)
     channel, p_max_w = make_channel(radio), np.full(4, 1.0)
@@ -70,6 +78,7 @@ def _network() -> None:
     gain = _gains(channel, positions)
     least_w, most_w = top.p_min_w, top.p_upper_w
     allocate(PowerProblem(top.adjacency, gain, least_w, most_w, energy_j, 1.0, radio))
+    ctop_elastic(Air(gain, p_max_w, sensitivity_w, 1e-14), 2, 0)
     cpapo(positions, channel, p_max_w, sensitivity_w, energy_j, 1.0)
     a_lmst(positions, channel, p_max_w, sensitivity_w, energy_j, 1.0, 5.0 * np.ones(4))
     average_hops(top.adjacency)

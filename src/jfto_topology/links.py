@@ -10,7 +10,7 @@ import numpy as np
 
 from jfto_msgs_py.types import Array
 from jfto_msgs_py.units import db_to_ratio
-from jfto_topology.affordable import affordable
+from jfto_topology.algorithms.affordable import affordable
 from jfto_topology.algorithms.ctop import Topology, ctop, ctop_of_gain
 from jfto_world.radio import Channel, pairwise_distances
 

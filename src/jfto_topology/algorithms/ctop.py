@@ -98,12 +98,21 @@ def ctop_of_gain(
 def _from_required(required_w: Array, p_max_w: Array, k_min: int, delta: int) -> Topology:
     uav_count = required_w.shape[1]
     check_degree_rule(k_min, delta, uav_count)
+    caps_w = checked_caps(p_max_w, uav_count)
     ring_w = ring_powers(required_w)
-    level_w, deficit, connected = neighbour_levels(required_w, ring_w, k_min)
-    active, before, over = trimmed_lists(required_w, ring_w, level_w, k_min, delta)
-    low, bound, upper, reach = power_intervals(
-        required_w, ring_w, active, checked_caps(p_max_w, uav_count)
-    )
+    return topology_of_levels(required_w, ring_w, caps_w, k_min, (k_min, delta))
+
+
+def topology_of_levels(
+    required_w: Array, ring_w: Array, caps_w: Array, wanted: int, degree_rule: tuple[int, int]
+) -> Topology:
+    """Algorithm 2 that begins with `wanted` neighbours; the degree rule is K_min and δ.
+
+    Powers that links cost are (M, A, A), caps (A,), all in W.
+    """
+    level_w, deficit, connected = neighbour_levels(required_w, ring_w, wanted)
+    active, before, over = trimmed_lists(required_w, ring_w, level_w, *degree_rule)
+    low, bound, upper, reach = power_intervals(required_w, ring_w, active, caps_w)
     return Topology(active, reach, low, bound, upper, deficit, over, connected, before)
 
 

@@ -99,7 +99,7 @@ def _trim(
             ):
                 continue
             settled[e] = True
-            if lesser > k_min and _detour(active, a, b, room.seen, room.stack):
+            if lesser > k_min and detour(active, a, b, room.seen, room.stack):
                 found = e
                 break
         if found < 0:
@@ -154,7 +154,7 @@ def _beyond_power(required: Array, ring: Array, farthest: Ints, a: int, b: int) 
 
 
 @inner
-def _detour(active: Flags, a: int, b: int, seen: Flags, stack: Ints) -> bool:
+def detour(active: Flags, a: int, b: int, seen: Flags, stack: Ints) -> bool:
     """Whether a still reaches b over others, so that their own link is not a bridge."""
     uavs = active.shape[0]
     for c in range(uavs):

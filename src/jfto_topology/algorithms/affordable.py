@@ -30,7 +30,7 @@ def affordable(
             break
         cheaper = wish()
         give_way = _slots_to_give(best, cheaper, energy_j, slot_duration_s)
-        best = _mixed(best, cheaper, give_way)
+        best = mixed(best, cheaper, give_way)
         chosen[give_way] = number
     return best, chosen
 
@@ -61,8 +61,8 @@ def _slots_to_give(
     return give
 
 
-def _mixed(dear: Topology, cheap: Topology, give: NDArray[np.bool_]) -> Topology:
-    """Rows of the cheaper topology where a slot gives way."""
+def mixed(dear: Topology, cheap: Topology, give: NDArray[np.bool_]) -> Topology:
+    """Slots of `cheap` where `give` (M,) says so, of `dear` elsewhere."""
     rows = {}
     for field in fields(Topology):
         ours, theirs = getattr(dear, field.name), getattr(cheap, field.name)
