@@ -13,6 +13,7 @@ from jfto_msgs_py.errors import WaypointError
 from jfto_msgs_py.records.plan import Waypoint
 from jfto_msgs_py.scenario.survey import CameraPart, CoveragePart
 from jfto_planner.coverage import (
+    Assumed,
     Camera,
     Coverage,
     CoverageSettings,
@@ -55,7 +56,9 @@ def survey(loaded: LoadedScenario, progress: Progress = SILENT) -> Survey:
         return found
     if wanted.source == "file":
         try:
-            given = read_waypoint_set(loaded.resolve(wanted.file), dem)
+            home_deg = (wanted.home_deg[0], wanted.home_deg[1]) if wanted.home_deg else None
+            assumed = Assumed(home_deg, wanted.height_m)
+            given = read_waypoint_set(loaded.resolve(wanted.file), dem, assumed)
         except WaypointError as error:
             raise WaypointError(f"{loaded.path}: waypoints.file: {error}") from None
         progress.begin("coverage", "casting rays")

@@ -19,6 +19,8 @@ _OPEN_HEADING = frozenset((16, 17, 18, 19, 21, 22, 31, 82, 84, 85, 92))
 _PLACED = frozenset((16, 17, 18, 19, 31, 82, 195, 201, *FENCE_COMMANDS, RALLY))
 _TAKEOFF = 22
 _PLACE_NAMES = {4: "latitude", 5: "longitude", 6: "altitude"}
+# No frame of MAVLink's: heights of other makes' routes above the ellipsoid.
+ABOVE_ELLIPSOID = 900
 _OPEN_RESERVED = frozenset((203, 206, 214, 530, 531, 532, 2000, 2001, 2500, 2501))
 
 
@@ -69,7 +71,8 @@ class MissionDocument:
     """Items without home, fence and rally points, and `notes` on all that is not taken over.
 
     `home` is latitude, longitude and metres above sea level (NaN where left open), None where the
-    file names none; `hover_speed_mps` is QGroundControl's.
+    file names none, on the ground there with `home_on_ground`; `hover_speed_mps` is
+    QGroundControl's.
     """
 
     items: tuple[FileItem, ...]
@@ -79,6 +82,7 @@ class MissionDocument:
     parameters: tuple[tuple[str, float], ...] = ()
     notes: tuple[str, ...] = ()
     hover_speed_mps: float | None = None
+    home_on_ground: bool = False
 
 
 def finite(value: Any, what: str, place: str) -> float:

@@ -66,12 +66,26 @@ class WaypointsPart:
     )
     file: str = param(
         "",
-        "For source file: a CSV, GeoJSON, QGroundControl .plan or Mission Planner .waypoints file, "
-        "relative to the scenario file.",
+        "For source file: waypoints or a mission, relative to the scenario file: CSV, GeoJSON, "
+        "KML, KMZ, DJI waylines (.kmz), Litchi .csv, QGroundControl .plan, Mission Planner "
+        ".waypoints.",
+    )
+    home_deg: tuple[float, ...] = param(
+        (),
+        "For source file: latitude and longitude of the take-off place that heights above home "
+        "count from, on the ground there. Left out: as the file says.",
+        unit="deg",
+        low=-180.0,
+        high=180.0,
+        length=2,
     )
     count: int = param(136, "How many are drawn (uniform, gaussian).", low=1, high=100_000)
     height_m: float = param(
-        100.0, "Height above ground of drawn waypoints.", unit="m", low=1.0, high=5000.0
+        100.0,
+        "Height above ground of drawn waypoints, and of those that a KML lays on the ground.",
+        unit="m",
+        low=1.0,
+        high=5000.0,
     )
     seed: int = param(
         0,

@@ -2,6 +2,7 @@
 
 from jfto_planner.coverage.camera import Camera
 from jfto_planner.coverage.certificate import CoverageCertificate, certify_coverage
+from jfto_planner.coverage.places import Assumed
 from jfto_planner.coverage.plan_coverage import (
     Coverage,
     CoverageNote,
@@ -13,6 +14,7 @@ from jfto_planner.coverage.settings import CoverageSettings
 from jfto_planner.coverage.waypoint_file import WaypointSet, read_waypoint_set, read_waypoints
 
 __all__ = [
+    "Assumed",
     "Camera",
     "Coverage",
     "CoverageCertificate",

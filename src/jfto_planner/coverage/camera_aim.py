@@ -7,7 +7,7 @@ import math
 from jfto_msgs_py.errors import WaypointError
 from jfto_msgs_py.mission_file import FileItem
 from jfto_msgs_py.records.plan import Vector
-from jfto_planner.coverage.mission_place import MissionPlaces
+from jfto_planner.coverage.places import Places
 
 # MAV_CMD numbers (mavlink.io, common.xml).
 _CONDITION_YAW, _MOUNT_CONTROL, _GIMBAL_PITCH_YAW = 115, 205, 1000
@@ -33,7 +33,7 @@ class CameraAim:
         self.held = False
         self._region_m: Vector | None = None
 
-    def take(self, item: FileItem, places: MissionPlaces) -> bool:
+    def take(self, item: FileItem, places: Places) -> bool:
         """Whether an item turns the camera, which then is done. Raises WaypointError."""
         if item.command == _CONDITION_YAW:
             self._turn(item)
@@ -87,7 +87,7 @@ class CameraAim:
         self._gimbal_yaw_deg = 0.0 if math.isnan(yaw) else yaw
         self._gimbal_locked = locked and not math.isnan(yaw)
 
-    def _look_at(self, item: FileItem, places: MissionPlaces) -> None:
+    def _look_at(self, item: FileItem, places: Places) -> None:
         if item.command == _ROI and item.params[0] not in (_ROI_MODE_NONE, _ROI_MODE_LOCATION):
             raise WaypointError(
                 f"{item.place}: region of interest of mode {item.params[0]:g}. Use a location "

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from pathlib import Path
 
 from jfto_msgs_py.errors import WaypointError
-from jfto_msgs_py.mission_file import FileItem, MissionTextError, read_document
+from jfto_msgs_py.mission_file import FileItem, MissionDocument
 from jfto_planner.coverage.camera_aim import CameraAim
-from jfto_planner.coverage.mission_place import MissionPlaces, Spot
 from jfto_planner.coverage.photo_trigger import PhotoTrigger
+from jfto_planner.coverage.places import Places, Spot
 from jfto_planner.coverage.raw_waypoint import RawWaypoint
-from jfto_world.terrain import Dem
 
 # MAV_CMD numbers (mavlink.io, common.xml).
 _WAYPOINTS = (16, 82)
@@ -24,18 +22,16 @@ _OTHERS = {177: "jump (177)", _SPEED: "speed (178)"}
 _SAME_M = 0.05
 
 
-def read_mission_photos(path: Path, dem: Dem, notes: list[str]) -> list[RawWaypoint]:
-    """Photo positions of a `.plan` or `.waypoints` file, in its order.
+def photos_of_mission(
+    document: MissionDocument, source: str, places: Places, notes: list[str]
+) -> list[RawWaypoint]:
+    """Photo positions of a mission, in its order.
 
-    Where the file triggers a camera (by distance, by time, photo by photo), these are the places of
+    Where it triggers a camera (by distance, by time, photo by photo), these are the places of
     its photos along the lines; else all its waypoints. `notes` gets a line on all that is not used.
     Raises WaypointError.
     """
-    try:
-        document = read_document(path)
-    except MissionTextError as error:
-        raise WaypointError(str(error)) from None
-    reader = _Reader(str(path), MissionPlaces(str(path), dem, document.home, notes), notes)
+    reader = _Reader(source, places, notes)
     reader.trigger.speed_mps = document.hover_speed_mps
     for item in document.items:
         reader.read(item)
@@ -43,14 +39,14 @@ def read_mission_photos(path: Path, dem: Dem, notes: list[str]) -> list[RawWaypo
     found = reader.finish()
     for name, part in (("fence items", document.fence), ("rally points", document.rally)):
         if part:
-            notes.append(f"{path}: its {len(part)} {name} are not used for photos")
+            notes.append(f"{source}: its {len(part)} {name} are not used for photos")
     return found
 
 
 class _Reader:
     """Flies through the items as a vehicle would, and keeps where photos are taken."""
 
-    def __init__(self, source: str, places: MissionPlaces, notes: list[str]) -> None:
+    def __init__(self, source: str, places: Places, notes: list[str]) -> None:
         self._source, self._places, self._notes = source, places, notes
         self._aim = CameraAim()
         self.trigger = PhotoTrigger()

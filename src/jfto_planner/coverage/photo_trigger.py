@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from jfto_msgs_py.errors import WaypointError
 from jfto_msgs_py.mission_file import FileItem
-from jfto_planner.coverage.mission_place import Spot
+from jfto_planner.coverage.places import Spot
 
 # MAV_CMD numbers (mavlink.io, common.xml).
 _DIGICAM_CONTROL, _TRIGGER_DISTANCE, _TRIGGER_INTERVAL = 203, 206, 214

@@ -1,24 +1,18 @@
-"""Waypoints that a user brings: CSV, GeoJSON, a QGroundControl plan or a `.waypoints` file."""
+"""Waypoints that a user brings, in any format that `jfto_msgs_py.mission_file` reads."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
 
-from jfto_msgs_py.errors import InputError, WaypointError
-from jfto_msgs_py.mission_file import PLAN_SUFFIX, WPL_SUFFIXES
+from jfto_msgs_py.errors import WaypointError
+from jfto_msgs_py.mission_file import Above, MissionTextError, PointDocument, read_any
 from jfto_msgs_py.records.plan import Waypoint
-from jfto_msgs_py.text_encoding import read_foreign_text
 from jfto_planner.coverage.check_waypoints import check_waypoints
-from jfto_planner.coverage.file_csv import read_csv
-from jfto_planner.coverage.file_geojson import read_geojson
-from jfto_planner.coverage.file_mission import read_mission_photos
+from jfto_planner.coverage.file_mission import photos_of_mission
+from jfto_planner.coverage.places import Assumed, Places
 from jfto_planner.coverage.raw_waypoint import RawWaypoint
 from jfto_world.terrain import Dem
-
-_LARGEST_BYTES = 64 * 2**20
-_TEXTS = {".csv": ("CSV", read_csv), ".geojson": ("GeoJSON", read_geojson)}
-_TEXTS[".json"] = _TEXTS[".geojson"]
 
 
 @dataclass(frozen=True)
@@ -29,18 +23,21 @@ class WaypointSet:
     notes: tuple[str, ...]
 
 
-def read_waypoints(path: str | Path, dem: Dem) -> tuple[Waypoint, ...]:
+def read_waypoints(
+    path: str | Path, dem: Dem, assumed: Assumed | None = None
+) -> tuple[Waypoint, ...]:
     """Waypoints of a file, in ENU metres about the DEM's origin.
 
-    Heights are altitudes in the DEM's own datum or above the ground below
-    (docs/explanation/coverage.md).
+    Heights are above whatever the file says (docs/how-to/files.md).
 
     Parameters
     ----------
     path
-        CSV, GeoJSON, KML or a mission file.
+        CSV, GeoJSON, KML, KMZ, DJI's waylines, Litchi's table or a mission file.
     dem
-        Its origin and heights are what the waypoints are given in.
+        Its origin is what the waypoints are given about.
+    assumed
+        Home and heights where the file is silent.
 
     Returns
     -------
@@ -52,10 +49,10 @@ def read_waypoints(path: str | Path, dem: Dem) -> tuple[Waypoint, ...]:
     WaypointError
         Names file, line or item, reason and cure.
     """
-    return read_waypoint_set(path, dem).waypoints
+    return read_waypoint_set(path, dem, assumed).waypoints
 
 
-def read_waypoint_set(path: str | Path, dem: Dem) -> WaypointSet:
+def read_waypoint_set(path: str | Path, dem: Dem, assumed: Assumed | None = None) -> WaypointSet:
     """Waypoints of a file with notes on what it holds besides.
 
     Parameters
@@ -63,7 +60,9 @@ def read_waypoint_set(path: str | Path, dem: Dem) -> WaypointSet:
     path
         As for `read_waypoints`.
     dem
-        Its origin and heights are what the waypoints are given in.
+        As for `read_waypoints`.
+    assumed
+        As for `read_waypoints`.
 
     Returns
     -------
@@ -76,17 +75,16 @@ def read_waypoint_set(path: str | Path, dem: Dem) -> WaypointSet:
         Names file, line or item, reason and cure.
     """
     path = Path(path)
-    suffix = path.suffix.lower()
     notes: list[str] = []
-    if suffix in _TEXTS:
-        raw = _of_text(path, dem, notes)
-    elif suffix in (PLAN_SUFFIX, *WPL_SUFFIXES):
-        raw = read_mission_photos(path, dem, notes)
+    try:
+        document = read_any(path)
+    except MissionTextError as error:
+        raise WaypointError(str(error)) from None
+    if isinstance(document, PointDocument):
+        raw = _of_points(document, Places(str(path), dem, notes, assumed), dem, notes)
     else:
-        raise WaypointError(
-            f"{path} is of no known waypoint format. Use .csv, .geojson, QGroundControl's .plan "
-            "or Mission Planner's .waypoints."
-        )
+        places = Places(str(path), dem, notes, assumed, document)
+        raw = photos_of_mission(document, str(path), places, notes)
     if not raw:
         raise WaypointError(f"{path} holds no waypoint. Write one or more into it.")
     check_waypoints(raw, dem, str(path))
@@ -97,27 +95,19 @@ def read_waypoint_set(path: str | Path, dem: Dem) -> WaypointSet:
     return WaypointSet(waypoints, tuple(notes))
 
 
-def _of_text(path: Path, dem: Dem, notes: list[str]) -> list[RawWaypoint]:
-    name, read = _TEXTS[path.suffix.lower()]
-    try:
-        text, encoding = read_foreign_text(path, name, _LARGEST_BYTES)
-    except InputError as error:
-        raise WaypointError(str(error)) from None
-    if not text.strip():
-        raise WaypointError(f"{path} is empty. Write one waypoint or more into it.")
-    if dem.above_ellipsoid:
+def _of_points(
+    document: PointDocument, places: Places, dem: Dem, notes: list[str]
+) -> list[RawWaypoint]:
+    silent = [p for p in document.points if p.above == Above.TERRAIN_DATUM and not p.local]
+    if dem.above_ellipsoid and silent:
         notes.append(
-            f"{path}: altitudes are taken above the {dem.height_datum}, as the terrain's; where "
-            "they are above sea level, give heights above ground (agl_m)"
+            f"{silent[0].place}: altitudes are taken above the {dem.height_datum}, as the "
+            "terrain's; where they are above sea level, give heights above ground (agl_m)"
         )
-    if not encoding:
-        return read(text, str(path), dem, notes)
-    try:
-        found = read(text, str(path), dem, notes)
-    except WaypointError as error:
-        raise WaypointError(
-            f"{error} It is not in UTF-8 and was read as {encoding.upper()}; if that is wrong, "
-            "save it in UTF-8."
-        ) from None
-    notes.append(f"{path}: is not in UTF-8, read as {encoding.upper()}")
+    found = [
+        RawWaypoint(point.place, places.point(point), point.yaw_deg, point.pitch_deg)
+        for point in document.points
+    ]
+    places.finish()
+    notes.extend(document.notes)
     return found

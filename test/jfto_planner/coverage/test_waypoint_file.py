@@ -131,12 +131,12 @@ def test_qgc_plan_frames_gimbal_and_surveys(tmp_path, dem):
 GOOD = "x_m,y_m,z_m\n0,0,50\n"
 BAD = {
     "no file": ("none.csv", None, "no such file"),
-    "suffix": ("w.kml", "<kml/>", "no known waypoint format"),
+    "suffix": ("w.xls", "places", "no known waypoint format"),
     "empty": ("w.csv", " \n", "empty"),
     "binary": ("w.csv", b"\xff\xfe\x00\x01", "UTF-8"),
     "header only": ("w.csv", "x_m,y_m,z_m\n", "no waypoint"),
     "no header": ("w.csv", "0,0,50\n1,1,50\n", "line 1: the header"),
-    "semicolons": ("w.csv", "x_m;y_m;z_m\n0;0;50\n", "Separate columns with commas"),
+    "mixed separators": ("w.csv", "x_m;y_m;z_m\n0,0,50\n", "or separate with semicolons"),
     "no height": ("w.csv", "x_m,y_m\n0,0\n", "no column of height"),
     "two heights": ("w.csv", "x_m,y_m,z_m,agl_m\n0,0,1,1\n", "two columns of height"),
     "two places": ("w.csv", "x_m,y_m,lat,lon,alt\n0,0,1,1,1\n", "line 1: the header"),

@@ -6,62 +6,63 @@ import json
 import math
 from typing import Any
 
-from jfto_msgs_py.errors import WaypointError
-from jfto_planner.coverage.other_names import ANGLES, angles, not_used
-from jfto_planner.coverage.raw_waypoint import RawWaypoint, from_geodetic, number
-from jfto_world.terrain import Dem
+from jfto_msgs_py.mission_file.csv_points import reference
+from jfto_msgs_py.mission_file.document import MissionTextError
+from jfto_msgs_py.mission_file.other_names import ANGLES, PHOTO, angles, not_used, switched_off
+from jfto_msgs_py.mission_file.points import Above, FilePoint, PointDocument, number
 
-_SAID_NOWHERE = {"agl_m", "take_photo"}
+_REFERENCE = "height_reference"
+_SAID_NOWHERE = {"agl_m", _REFERENCE, *PHOTO}
 _AREAS = ("Polygon", "MultiPolygon")
 _METRES_PER_DEGREE = 111_195.0
 
 
-def read_geojson(text: str, source: str, dem: Dem, notes: list[str]) -> list[RawWaypoint]:
-    """Points of a FeatureCollection, Feature or geometry, [lon, lat, alt]. Raises WaypointError.
+def read_geojson(text: str, source: str) -> PointDocument:
+    """Points of a FeatureCollection, Feature or geometry, [lon, lat, alt]. Raises MissionTextError.
 
     Properties `yaw_deg` and `pitch_deg` are used, also under the names of other programs; `agl_m`
-    takes the place of the altitude, and a false `take_photo` makes a point none. `notes` gets a
-    line on the others.
+    takes the place of the altitude, `height_reference` says what that is above, and a false
+    `take_photo` makes a point none.
     """
     document = _load_json(text, source)
     if not isinstance(document, dict):
-        raise WaypointError(f"{source}: is not a GeoJSON object. Export it as GeoJSON points.")
+        raise MissionTextError(f"{source}: is not a GeoJSON object. Export it as GeoJSON points.")
     if document.get("fileType") == "Plan":
-        raise WaypointError(f"{source}: is a QGroundControl plan. Name it .plan.")
+        raise MissionTextError(f"{source}: is a QGroundControl plan. Name it .plan.")
     _check_crs(document, source)
     if document.get("type") == "FeatureCollection":
         features = document.get("features")
         if not isinstance(features, list):
-            raise WaypointError(f"{source}: features is missing. Export it as GeoJSON points.")
+            raise MissionTextError(f"{source}: features is missing. Export it as GeoJSON points.")
         places = [(f"{source}, feature {index}", item) for index, item in enumerate(features)]
     else:
         places = [(source, document)]
-    reader = _Reader(dem)
-    result = [point for place, feature in places for point in reader.feature(feature, place)]
-    notes.extend(not_used(source, reader.names, ANGLES | _SAID_NOWHERE))
+    reader = _Reader()
+    points = [point for place, feature in places for point in reader.feature(feature, place)]
+    notes = not_used(source, reader.names, ANGLES | _SAID_NOWHERE)
     if reader.left_out:
         notes.append(f"{source}: {reader.left_out} points with take_photo false are left out")
-    return result
+    return PointDocument(tuple(points), tuple(notes))
 
 
 def _load_json(text: str, source: str) -> Any:
-    """Parsed JSON. Raises WaypointError with line and column."""
+    """Parsed JSON. Raises MissionTextError with line and column."""
 
     def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         if len(found := dict(pairs)) != len(pairs):
-            raise WaypointError(f"{source}: gives a key twice in one object. Export it again.")
+            raise MissionTextError(f"{source}: gives a key twice in one object. Export it again.")
         return found
 
     try:
         return json.loads(text, object_pairs_hook=unique)
     except json.JSONDecodeError as error:
-        raise WaypointError(
+        raise MissionTextError(
             f"{source}, line {error.lineno}, column {error.colno}: is not JSON ({error.msg}). "
             "The file is damaged or cut short; export it again."
         ) from error
     except (RecursionError, ValueError) as error:
         reason = "nested too deeply" if isinstance(error, RecursionError) else str(error)[:80]
-        raise WaypointError(f"{source}: cannot be read: {reason}. Export it again.") from error
+        raise MissionTextError(f"{source}: cannot be read: {reason}. Export it again.") from error
 
 
 def _check_crs(document: dict[str, Any], source: str) -> None:
@@ -72,7 +73,7 @@ def _check_crs(document: dict[str, Any], source: str) -> None:
     properties = crs.get("properties") if isinstance(crs, dict) else None
     name = str(properties.get("name")) if isinstance(properties, dict) else str(crs)
     if not name.replace("::", ":").endswith(("CRS84", "CRS84h", "EPSG:4326", "EPSG:4979")):
-        raise WaypointError(
+        raise MissionTextError(
             f"{source}: its coordinates are in {name[:60]}, not in longitude and latitude of "
             "WGS-84. Reproject it (ogr2ogr -t_srs EPSG:4326)."
         )
@@ -81,19 +82,18 @@ def _check_crs(document: dict[str, Any], source: str) -> None:
 class _Reader:
     """Reads features, and keeps the names of their properties."""
 
-    def __init__(self, dem: Dem) -> None:
-        self._dem = dem
+    def __init__(self) -> None:
         self.names: set[str] = set()
         self.left_out = 0
 
-    def feature(self, feature: Any, place: str) -> list[RawWaypoint]:
+    def feature(self, feature: Any, place: str) -> list[FilePoint]:
         if not isinstance(feature, dict):
-            raise WaypointError(f"{place}: is not a GeoJSON feature. Export it as points.")
+            raise MissionTextError(f"{place}: is not a GeoJSON feature. Export it as points.")
         is_feature = feature.get("type") == "Feature"
         geometry = feature.get("geometry") if is_feature else feature
         properties = (feature.get("properties") or {}) if is_feature else {}
         if not isinstance(geometry, dict) or not isinstance(properties, dict):
-            raise WaypointError(f"{place}: has no geometry. Export it as points.")
+            raise MissionTextError(f"{place}: has no geometry. Export it as points.")
         properties = {str(name).lower(): value for name, value in properties.items()}
         kind, coordinates = geometry.get("type"), geometry.get("coordinates")
         if kind == "Point":
@@ -101,39 +101,40 @@ class _Reader:
         elif kind == "MultiPoint" and isinstance(coordinates, list):
             points = [(f"{place}, point {k}", item) for k, item in enumerate(coordinates)]
         elif kind in _AREAS:
-            raise WaypointError(_area_text(kind, coordinates, place))
+            raise MissionTextError(_area_text(kind, coordinates, place))
         else:
-            raise WaypointError(
+            raise MissionTextError(
                 f"{place}: is a {str(kind)[:40]!r}, waypoints are of type Point. Export vertices "
                 "as points."
             )
         self.names.update(properties)
-        if properties.get("take_photo") is False:
+        if switched_off(properties):
             self.left_out += len(points)
             return []
         return [self._point(item, properties, where) for where, item in points]
 
-    def _point(self, coordinates: Any, properties: dict[str, Any], place: str) -> RawWaypoint:
+    def _point(self, coordinates: Any, properties: dict[str, Any], place: str) -> FilePoint:
         if not isinstance(coordinates, list) or len(coordinates) < 2:
-            raise WaypointError(
+            raise MissionTextError(
                 f"{place}: coordinates are {str(coordinates)[:60]!r}, must be [lon, lat, alt]."
             )
         if len(coordinates) > 3:
             self.names.add("a fourth coordinate")
         lon_deg = number(coordinates[0], "longitude", place)
         lat_deg = number(coordinates[1], "latitude", place)
-        above_ground = "agl_m" in properties
-        if above_ground:
-            height_m = number(properties["agl_m"], "agl_m", place)
+        told, above = properties.get(_REFERENCE), Above.TERRAIN_DATUM
+        if "agl_m" in properties and not told:
+            above, height_m = Above.GROUND, number(properties["agl_m"], "agl_m", place)
         elif len(coordinates) > 2:
             height_m = number(coordinates[2], "altitude", place)
         else:
-            raise WaypointError(
+            raise MissionTextError(
                 f"{place}: has no altitude. Write [lon, lat, alt], or the property agl_m for a "
                 "height above ground."
             )
-        position = from_geodetic(self._dem, lat_deg, lon_deg, height_m, above_ground, place)
-        return RawWaypoint(place, position, *angles(properties, place))
+        if told:
+            above = reference(str(told), _REFERENCE, place)
+        return FilePoint(place, (lat_deg, lon_deg), height_m, above, *angles(properties, place))
 
 
 def _area_text(kind: str, coordinates: Any, place: str) -> str:

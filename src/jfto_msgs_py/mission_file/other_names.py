@@ -1,12 +1,12 @@
-"""Names that other programs give to a waypoint's angles."""
+"""Names that other programs give to what a waypoint carries."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from jfto_msgs_py.errors import WaypointError
-from jfto_planner.coverage.raw_waypoint import number
+from jfto_msgs_py.mission_file.document import MissionTextError
+from jfto_msgs_py.mission_file.points import number
 
 YAW = ("yaw_deg", "yaw", "heading_deg", "heading", "gimbal_yaw", "gimbalyaw", "bearing", "azimuth")
 PITCH = (
@@ -21,15 +21,22 @@ PITCH = (
     "camera_pitch",
 )
 ANGLES = frozenset((*YAW, *PITCH))
+PHOTO = ("take_photo", "photo")
 
 
 def angles(values: Mapping[str, Any], place: str) -> tuple[float, float]:
     """Yaw (0 to 360) and pitch in degrees from values by name in small letters.
 
-    0 and -90 where none or an empty one is given. Raises WaypointError, also where two names of one
-    angle disagree.
+    0 and -90 where none or an empty one is given. Raises MissionTextError, also where two names of
+    one angle disagree.
     """
     return _angle(values, YAW, 0.0, place) % 360.0, _angle(values, PITCH, -90.0, place)
+
+
+def switched_off(values: Mapping[str, Any]) -> bool:
+    """Whether values by name say that no photo is taken here."""
+    told = [str(values[name]).strip().lower() for name in PHOTO if name in values]
+    return any(word in ("false", "0", "no") for word in told)
 
 
 def not_used(source: str, names: Iterable[str], used: Iterable[str]) -> list[str]:
@@ -46,5 +53,5 @@ def _angle(values: Mapping[str, Any], names: tuple[str, ...], default: float, pl
     }
     if len(set(given.values())) > 1:
         told = " and ".join(f"{name} {value:g}" for name, value in given.items())
-        raise WaypointError(f"{place}: has {told} for one angle. Leave one of them.")
+        raise MissionTextError(f"{place}: has {told} for one angle. Leave one of them.")
     return next(iter(given.values()), default)
