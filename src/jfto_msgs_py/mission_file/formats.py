@@ -35,7 +35,20 @@ class Format:
 def read_any(path: Path) -> Document:
     """What a file of waypoints or a mission holds, by its suffix and its content.
 
-    Raises MissionTextError, naming file, line or item, reason and cure.
+    Parameters
+    ----------
+    path
+        A file with one of the suffixes of `FORMATS`.
+
+    Returns
+    -------
+    PointDocument or MissionDocument
+        Places one by one, or items of a mission, with notes on what is not used.
+
+    Raises
+    ------
+    MissionTextError
+        Names file, line or item, reason and cure.
     """
     suffix = path.suffix.lower()
     for form in FORMATS:

@@ -48,8 +48,8 @@ class TerrainPart:
     vertical_datum: str = param(
         "",
         "What the heights are measured from, where the file does not say: the ellipsoid, mean sea "
-        "level, or a geoid that models it. Altitudes of missions are above sea level and refused "
-        "over an ellipsoid. Left out: as the file says, else mean sea level.",
+        "level, or a geoid that models it. Between both altitudes of waypoints and missions are "
+        "brought by EGM96. Left out: as the file says, else mean sea level.",
         choices=("", "ellipsoid", "sea_level", "EGM84", "EGM96", "EGM2008", "NAVD88", "EVRF2007"),
     )
 

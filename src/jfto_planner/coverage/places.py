@@ -65,6 +65,7 @@ class Places:
         self._is_mission = document is not None and not document.home_on_ground
         self._home_alt_m: float | None = None
         self._clamped = 0
+        self._told_geoid = False
 
     def point(self, point: FilePoint) -> Vector:
         """Place of a point of a file. Raises WaypointError."""
@@ -110,16 +111,18 @@ class Places:
         if above == Above.HOME:
             altitude_m = height_m + self._home_altitude(place)
         else:
-            altitude_m = height_m + self._datum_shift(above, place)
+            altitude_m = height_m + self._datum_shift(above, lat_deg, lon_deg)
         return Spot(self._enu(lat_deg, lon_deg, altitude_m))
 
     def take_off(self, item: FileItem) -> Spot | None:
         """Where a take-off ends, None if that cannot be told from the file."""
         if self._home is None or math.isnan(self._home[2]):
             return None
-        if _FRAMES.get(item.frame) != Above.HOME or self._dem.above_ellipsoid:
+        if _FRAMES.get(item.frame) != Above.HOME:
             return None
-        x, y, z = self._enu(*self._home)
+        lat_deg, lon_deg, alt_m = self._home
+        alt_m += self._datum_shift(Above.SEA_LEVEL, lat_deg, lon_deg)
+        x, y, z = self._enu(lat_deg, lon_deg, alt_m)
         return Spot((x, y, z + item.params[6]))
 
     def between(self, start: Spot | None, end: Spot, share: float) -> Spot:
@@ -161,17 +164,23 @@ class Places:
         self._clamped += 1
         return self._assumed.clamped_m
 
-    def _datum_shift(self, above: Above, place: str) -> float:
-        """Metres to add for the datum of the terrain."""
+    def _datum_shift(self, above: Above, lat_deg: float, lon_deg: float) -> float:
+        """Metres to add for the datum of the terrain; the geoid lies between both there are."""
         ellipsoid = self._dem.above_ellipsoid
         if above == Above.TERRAIN_DATUM or (above == Above.ELLIPSOID) == ellipsoid:
             return 0.0
-        own = "the ellipsoid" if above == Above.ELLIPSOID else "sea level"
-        raise WaypointError(
-            f"{place}: its altitude is above {own}, but the terrain's heights are above the "
-            f"{self._dem.height_datum}; these differ by up to 100 m. Give altitudes above terrain, "
-            f"or a terrain with heights above {own}."
-        )
+        # Loaded here: it brings GDAL along, and few files need it.
+        from jfto_world.terrain.geoid import geoid_height, geoid_name
+
+        geoid_m = float(geoid_height(lat_deg, lon_deg))
+        if not self._told_geoid:
+            self._told_geoid = True
+            own, other = ("sea level", "the ellipsoid")[:: 1 if ellipsoid else -1]
+            self._notes.append(
+                f"{self._source}: altitudes above {own} are brought to {other}, as the terrain's, "
+                f"by {geoid_name()}: {geoid_m if ellipsoid else -geoid_m:+.1f} m at the first"
+            )
+        return geoid_m if ellipsoid else -geoid_m
 
     def _home_altitude(self, place: str) -> float:
         if self._home_alt_m is not None:
@@ -191,9 +200,9 @@ class Places:
         elif self._on_ground:
             self._home_alt_m = self._home_on_ground(self._home[:2], f"{self._source}: its take-off")
         else:
-            if self._dem.above_ellipsoid:
-                self._datum_shift(Above.SEA_LEVEL, place)
-            self._home_alt_m = self._checked_home(*self._home)
+            lat_deg, lon_deg, alt_m = self._home
+            alt_m += self._datum_shift(Above.SEA_LEVEL, lat_deg, lon_deg)
+            self._home_alt_m = self._checked_home(lat_deg, lon_deg, alt_m)
         return self._home_alt_m
 
     def _home_on_ground(self, home_deg: tuple[float, float], what: str) -> float:

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jfto_msgs_py.errors import WaypointError
-from jfto_planner.coverage import read_waypoints
+from jfto_planner.coverage import read_waypoint_set, read_waypoints
 from jfto_world.terrain import load_dem
 
 LAT, LON = 36.6301, -84.2626
@@ -203,11 +203,23 @@ def test_bad_files_are_refused_with_place_reason_and_cure(tmp_path, dem, case):
     assert str(caught.value).rstrip().endswith((".", ")."))
 
 
-def test_sea_level_and_ellipsoid_are_never_mixed(tmp_path, dem):
-    """A .plan's altitudes above sea level are refused over a DEM above the ellipsoid."""
+def test_sea_level_and_ellipsoid_are_brought_together_by_the_geoid(tmp_path, dem):
+    """Over a DEM above the ellipsoid a .plan's altitudes are raised by the geoid, which is said.
+
+    There (Tennessee) it lies some 31 m below the ellipsoid.
+    """
     from dataclasses import replace
 
     other = replace(dem, above_ellipsoid=True, height_datum="ellipsoid of WGS 84")
-    with pytest.raises(WaypointError, match="sea level"):
-        read_waypoints(write(tmp_path, "w.plan", plan(item())), other)
-    assert read_waypoints(write(tmp_path, "v.plan", plan(item(frame=10, alt=50.0))), other)
+    path = write(tmp_path, "w.plan", plan(item()))
+    heights = [read_waypoints(path, ground)[0].position_m[2] for ground in (dem, other)]
+    assert heights[1] - heights[0] == pytest.approx(-31.5, abs=1.5)
+    (note,) = read_waypoint_set(path, other).notes
+    assert "above sea level are brought to the ellipsoid" in note
+    # The other way about, and back where the terrain is above the ellipsoid itself.
+    text = f"lat,lon,ellipsoid_m\n{LAT},{LON},{900 + heights[1] - heights[0]}\n"
+    (back,) = read_waypoints(write(tmp_path, "w.csv", text), dem)
+    assert back.position_m[2] == pytest.approx(heights[0], abs=1e-3)
+    (own,) = read_waypoints(path.with_suffix(".csv"), other)
+    assert own.position_m[2] == pytest.approx(heights[1], abs=1e-3)
+    assert not read_waypoint_set(write(tmp_path, "v.plan", plan(item(frame=10))), other).notes
