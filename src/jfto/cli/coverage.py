@@ -36,7 +36,8 @@ def command(loaded: LoadedScenario, out: Path | None, as_json: bool) -> int:
         write_waypoints(found, out)
     if as_json:
         facts = coverage_object(found.coverage)
-        facts |= {"terrain": found.dem.description, "not_used": list(found.notes)}
+        facts |= {"terrain": found.dem.description, "terrain_notes": list(found.dem.notes)}
+        facts["not_used"] = list(found.notes)
         print_json(facts)
         return 0
     click.echo(f"Terrain     {found.dem.description}")

@@ -42,6 +42,8 @@ def survey(loaded: LoadedScenario, progress: Progress = SILENT) -> Survey:
     """Waypoints of a scenario over its ground; raises InputError or InfeasibleError."""
     progress.begin("coverage", "reading terrain")
     dem = load_ground(loaded)
+    for note in dem.notes:
+        progress.warn(f"terrain: {note}")
     wanted = loaded.scenario.waypoints
     if wanted.source == "coverage":
         progress.begin("coverage", "placing cameras, casting rays")

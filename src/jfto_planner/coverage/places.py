@@ -120,9 +120,7 @@ class Places:
             return None
         if _FRAMES.get(item.frame) != Above.HOME:
             return None
-        lat_deg, lon_deg, alt_m = self._home
-        alt_m += self._datum_shift(Above.SEA_LEVEL, lat_deg, lon_deg)
-        x, y, z = self._enu(lat_deg, lon_deg, alt_m)
+        x, y, z = self._enu(*self._home)
         return Spot((x, y, z + item.params[6]))
 
     def between(self, start: Spot | None, end: Spot, share: float) -> Spot:
@@ -165,9 +163,8 @@ class Places:
         return self._assumed.clamped_m
 
     def _datum_shift(self, above: Above, lat_deg: float, lon_deg: float) -> float:
-        """Metres to add for the datum of the terrain; the geoid lies between both there are."""
-        ellipsoid = self._dem.above_ellipsoid
-        if above == Above.TERRAIN_DATUM or (above == Above.ELLIPSOID) == ellipsoid:
+        """Metres to add to bring a height to sea level, where the terrain's are."""
+        if above != Above.ELLIPSOID:
             return 0.0
         # Loaded here: it brings GDAL along, and few files need it.
         from jfto_world.terrain.geoid import geoid_height, geoid_name
@@ -175,12 +172,11 @@ class Places:
         geoid_m = float(geoid_height(lat_deg, lon_deg))
         if not self._told_geoid:
             self._told_geoid = True
-            own, other = ("sea level", "the ellipsoid")[:: 1 if ellipsoid else -1]
             self._notes.append(
-                f"{self._source}: altitudes above {own} are brought to {other}, as the terrain's, "
-                f"by {geoid_name()}: {geoid_m if ellipsoid else -geoid_m:+.1f} m at the first"
+                f"{self._source}: altitudes above the ellipsoid are brought to sea level, as the "
+                f"terrain's, by {geoid_name()}: {-geoid_m:+.1f} m at the first"
             )
-        return geoid_m if ellipsoid else -geoid_m
+        return -geoid_m
 
     def _home_altitude(self, place: str) -> float:
         if self._home_alt_m is not None:
@@ -200,9 +196,7 @@ class Places:
         elif self._on_ground:
             self._home_alt_m = self._home_on_ground(self._home[:2], f"{self._source}: its take-off")
         else:
-            lat_deg, lon_deg, alt_m = self._home
-            alt_m += self._datum_shift(Above.SEA_LEVEL, lat_deg, lon_deg)
-            self._home_alt_m = self._checked_home(lat_deg, lon_deg, alt_m)
+            self._home_alt_m = self._checked_home(*self._home)
         return self._home_alt_m
 
     def _home_on_ground(self, home_deg: tuple[float, float], what: str) -> float:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from jfto_msgs_py.errors import WaypointError
-from jfto_msgs_py.mission_file import Above, MissionTextError, PointDocument, read_any
+from jfto_msgs_py.mission_file import MissionTextError, PointDocument, read_any
 from jfto_msgs_py.records.plan import Waypoint
 from jfto_planner.coverage.check_waypoints import check_waypoints
 from jfto_planner.coverage.file_mission import photos_of_mission
@@ -81,7 +81,7 @@ def read_waypoint_set(path: str | Path, dem: Dem, assumed: Assumed | None = None
     except MissionTextError as error:
         raise WaypointError(str(error)) from None
     if isinstance(document, PointDocument):
-        raw = _of_points(document, Places(str(path), dem, notes, assumed), dem, notes)
+        raw = _of_points(document, Places(str(path), dem, notes, assumed), notes)
     else:
         places = Places(str(path), dem, notes, assumed, document)
         raw = photos_of_mission(document, str(path), places, notes)
@@ -95,15 +95,7 @@ def read_waypoint_set(path: str | Path, dem: Dem, assumed: Assumed | None = None
     return WaypointSet(waypoints, tuple(notes))
 
 
-def _of_points(
-    document: PointDocument, places: Places, dem: Dem, notes: list[str]
-) -> list[RawWaypoint]:
-    silent = [p for p in document.points if p.above == Above.TERRAIN_DATUM and not p.local]
-    if dem.above_ellipsoid and silent:
-        notes.append(
-            f"{silent[0].place}: altitudes are taken above the {dem.height_datum}, as the "
-            "terrain's; where they are above sea level, give heights above ground (agl_m)"
-        )
+def _of_points(document: PointDocument, places: Places, notes: list[str]) -> list[RawWaypoint]:
     found = [
         RawWaypoint(point.place, places.point(point), point.yaw_deg, point.pitch_deg)
         for point in document.points

@@ -20,8 +20,9 @@ class Dem:
     """Bicubic ground surface over the area and a margin around it.
 
     The area is `size_m` (east-west, north-south) metres about the origin; heights are z in ENU
-    metres, 0 at the origin, whose altitude is in `height_datum`. Whatever asks for ground beyond
-    `half_extent_m` gets a TerrainError, never a made-up height.
+    metres, 0 at the origin, whose altitude is above sea level as `height_datum` has it. Whatever
+    asks for ground beyond `half_extent_m` gets a TerrainError, never a made-up height. `notes` say
+    in a line each what was taken for granted.
     """
 
     origin: Origin
@@ -29,8 +30,8 @@ class Dem:
     half_extent_m: tuple[float, float]
     surface: CubicSurface
     height_datum: str
-    above_ellipsoid: bool
     description: str
+    notes: tuple[str, ...] = ()
 
     @cached_property
     def frame(self) -> LocalFrame:

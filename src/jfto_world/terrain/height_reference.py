@@ -8,6 +8,8 @@ from pathlib import Path
 from pyproj import CRS
 
 from jfto_msgs_py.errors import TerrainError
+from jfto_world.terrain.placing import MODERN_ELLIPSOIDS
+from jfto_world.terrain.products import Product
 
 _US_FOOT_M = 1200 / 3937
 # Names of units as GDAL, PROJ and people write them, in metres.
@@ -39,26 +41,40 @@ class DeclaredHeights:
 
 @dataclass(frozen=True)
 class HeightReference:
-    """Metres per unit of height, name of the datum, and whether that is the ellipsoid."""
+    """Metres per unit of height, name of the datum, and whether that is the ellipsoid.
+
+    `notes` say what was taken for granted.
+    """
 
     to_metres: float
     datum: str
     above_ellipsoid: bool
+    notes: tuple[str, ...] = ()
 
 
 def height_reference(
-    band_unit: str | None, crs: CRS, path: Path, declared: DeclaredHeights, assumed_datum: str
+    band_unit: str | None,
+    crs: CRS,
+    path: Path,
+    declared: DeclaredHeights,
+    product: Product | None,
 ) -> HeightReference:
     """The reference of a band in a CRS, from the file or, where that is silent, as declared.
 
-    `assumed_datum` is what the format implies, "" where it implies nothing. Raises TerrainError
-    where unit or datum are unknown, contradict themselves or contradict what is declared.
+    `product` is what the file's name tells, None where it tells nothing. Raises TerrainError where
+    unit or datum are unknown, contradict themselves or contradict what is declared.
     """
     vertical = crs.sub_crs_list[1] if crs.is_compound else None
     to_metres = _to_metres(band_unit, crs, vertical, path, declared.unit)
     own_datum, own_ellipsoid = _datum(crs, vertical, path)
+    if own_ellipsoid or declared.datum.lower() == ELLIPSOID:
+        _need_modern_ellipsoid(crs, path)
     if not declared.datum:
-        return HeightReference(to_metres, own_datum or assumed_datum or _NO_DATUM, own_ellipsoid)
+        if own_datum:
+            return HeightReference(to_metres, own_datum, own_ellipsoid)
+        if product is not None:
+            return HeightReference(to_metres, product.datum, product.above_ellipsoid)
+        return HeightReference(to_metres, _NO_DATUM, above_ellipsoid=False, notes=(_silent(path),))
     ellipsoid = declared.datum.lower() == ELLIPSOID
     if own_datum and (ellipsoid != own_ellipsoid or not _agree(own_datum, declared.datum)):
         raise TerrainError(
@@ -70,6 +86,24 @@ def height_reference(
     names = {ELLIPSOID: f"ellipsoid of {_horizontal_name(crs)}", SEA_LEVEL: "mean sea level"}
     name = names.get(declared.datum.lower(), f"{declared.datum} (mean sea level)")
     return HeightReference(to_metres, f"{name}, as declared", ellipsoid)
+
+
+def _need_modern_ellipsoid(crs: CRS, path: Path) -> None:
+    """Refuse heights above an old ellipsoid, which lies up to hundreds of metres elsewhere."""
+    ellipsoid = crs.ellipsoid.name if crs.ellipsoid else "unknown"
+    if not MODERN_ELLIPSOIDS.search(ellipsoid):
+        raise TerrainError(
+            f"{path} has heights above the ellipsoid {ellipsoid}, for which no geoid is known. "
+            "Convert it with gdalwarp -t_srs EPSG:4979, or to heights above sea level."
+        )
+
+
+def _silent(path: Path) -> str:
+    return (
+        f"{path} does not say what its heights are measured from: they are taken for heights above "
+        "sea level. If they are above the ellipsoid, as GNSS and photogrammetry give them, "
+        "altitudes are wrong by up to 100 m; declare terrain.vertical_datum"
+    )
 
 
 def _agree(own: str, declared: str) -> bool:

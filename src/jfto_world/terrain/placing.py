@@ -22,7 +22,7 @@ _MODERN = re.compile(
     re.IGNORECASE,
 )
 _NAMELESS = re.compile(r"unknown|unnamed|not.specified", re.IGNORECASE)
-_MODERN_ELLIPSOIDS = re.compile(r"WGS.?(19)?84|GRS.?(19)?80", re.IGNORECASE)
+MODERN_ELLIPSOIDS = re.compile(r"WGS.?(19)?84|GRS.?(19)?80", re.IGNORECASE)
 _SAID_FROM_M = 2.5
 
 
@@ -65,7 +65,7 @@ def placing(
             rough = best.accuracy > _SAID_FROM_M
             return Placing(best, f"placed to within {best.accuracy:.0f} m" if rough else "")
         ellipsoid = crs.ellipsoid.name if crs.ellipsoid else ""
-        nameless = _NAMELESS.search(datum_name) and _MODERN_ELLIPSOIDS.search(ellipsoid)
+        nameless = _NAMELESS.search(datum_name) and MODERN_ELLIPSOIDS.search(ellipsoid)
         if nameless or _MODERN.search(datum_name):
             taken = Transformer.from_crs("EPSG:4326", crs, always_xy=True)
             return Placing(taken, f"datum {datum_name} taken for WGS-84")

@@ -48,6 +48,7 @@ class Raster:
     `transform` maps (column, row) of a cell's corner to coordinates of `crs`, in its axis order
     "easting, northing". `read(row_start, row_stop, column_start, column_stop)` returns float64
     heights in metres above `height_datum`, NaN where there are none; it raises TerrainError.
+    `notes` say what was taken for granted, a line each.
     """
 
     name: str
@@ -57,6 +58,7 @@ class Raster:
     height_datum: str
     above_ellipsoid: bool
     read: Callable[[int, int, int, int], Array]
+    notes: tuple[str, ...] = ()
 
     @cached_property
     def placing(self) -> Placing:

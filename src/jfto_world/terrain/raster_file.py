@@ -1,22 +1,26 @@
-"""Elevation models on disk: GeoTIFF, SRTM .hgt, Esri ASCII and others, read through GDAL."""
+"""Rasters in files that GDAL reads."""
 
 from __future__ import annotations
 
+import math
 import re
 import warnings
-import zipfile
 from pathlib import Path
 
 import numpy as np
 import rasterio
 from pyproj import CRS
 from pyproj.exceptions import CRSError
+from rasterio.enums import ColorInterp
 from rasterio.errors import NotGeoreferencedWarning, RasterioError, RasterioIOError
 from rasterio.windows import Window
 
 from jfto_msgs_py.errors import TerrainError
 from jfto_msgs_py.types import Array
+from jfto_world.terrain import packed
 from jfto_world.terrain.height_reference import DeclaredHeights, height_reference
+from jfto_world.terrain.mosaic_file import check_mosaic
+from jfto_world.terrain.products import product_of
 from jfto_world.terrain.raster import Raster
 
 AS_IN_FILE = DeclaredHeights()
@@ -34,18 +38,19 @@ FORMATS = {
     ".dt1": "DTED",
     ".dt2": "DTED",
 }
+# ArduPilot's own grids of terrain, which GDAL doesn't know.
+AUTOPILOT = ".dat"
+SUFFIXES = frozenset((*FORMATS, AUTOPILOT))
 # What people take for elevation models, and what to do instead.
 _OTHERS = {
-    ".dat": "ArduPilot's own cache of terrain, which tells no heights by itself: name the SRTM "
-    "tile (.hgt) that it was made from",
     ".laz": "a point cloud: make a grid of it first (pdal, gdal_grid)",
     ".las": "a point cloud: make a grid of it first (pdal, gdal_grid)",
 }
-_PACKED = {".zip": "zip", ".gz": "gzip"}
 _HGT_NAME = re.compile(r"[NS]\d{2}[EW]\d{3}", re.IGNORECASE)
 # 3 arc-seconds, 1 arc-second, and 1 by 2 arc-seconds beyond 50 degrees of latitude.
 _HGT_SAMPLES = {1201 * 1201: "3", 3601 * 3601: "1", 3601 * 1801: "1 x 2"}
-_EGM96 = "EGM96 geoid (mean sea level)"
+# Longitudes of files run up to some turns; cells of maps in metres are not finer than this.
+_MOST_DEGREES, _LEAST_CELL_M = 1080.0, 0.01
 
 
 def open_raster(path: Path, declared: DeclaredHeights = AS_IN_FILE) -> Raster:
@@ -54,21 +59,16 @@ def open_raster(path: Path, declared: DeclaredHeights = AS_IN_FILE) -> Raster:
     Raises TerrainError for a file that is missing, empty, of another format, cut short, an image,
     without a place on earth, or with heights of an unknown unit.
     """
-    _check_file(path)
+    check_file(path)
+    suffix = packed.kind_of(path, SUFFIXES)
+    if suffix == ".vrt" and path.suffix.lower() == ".vrt":
+        check_mosaic(path)
     with _open(path) as dataset:
-        if dataset.count > 1:
-            raise TerrainError(
-                f"{path} has {dataset.count} bands, an elevation model has one. "
-                "It may be an orthophoto; name the elevation model, or extract its band."
-            )
-        if np.dtype(dataset.dtypes[0]).kind not in "iuf":
-            raise TerrainError(
-                f"{path} holds {dataset.dtypes[0]} values, not heights. Name an elevation model."
-            )
+        _check_content(dataset, path)
         crs = _crs(dataset, path)
-        shape, transform, suffix = dataset.shape, dataset.transform, kind_of(path)
-        assumed = _EGM96 if suffix == ".hgt" else ""
-        reference = height_reference(dataset.units[0], crs, path, declared, assumed)
+        shape, transform = dataset.shape, dataset.transform
+        product = product_of(packed.inner_name(path, SUFFIXES), suffix)
+        reference = height_reference(dataset.units[0], crs, path, declared, product)
 
     def read(row_start: int, row_stop: int, column_start: int, column_stop: int) -> Array:
         # GDAL searches a text grid from its top anyway, and where that is cut short it searches
@@ -97,35 +97,12 @@ def open_raster(path: Path, declared: DeclaredHeights = AS_IN_FILE) -> Raster:
         reference.datum,
         reference.above_ellipsoid,
         read,
+        reference.notes,
     )
 
 
-def kind_of(path: Path) -> str:
-    """Suffix of a file in small letters, of one packed in .zip or .gz that of what is packed."""
-    suffix = path.suffix.lower()
-    if suffix == ".gz":
-        return Path(path.stem).suffix.lower()
-    return Path(_member(path)).suffix.lower() if suffix == ".zip" else suffix
-
-
-def _member(path: Path) -> str:
-    """Name of the one elevation model in a .zip."""
-    try:
-        with zipfile.ZipFile(path) as archive:
-            names = [n for n in archive.namelist() if Path(n).suffix.lower() in FORMATS]
-    except (OSError, zipfile.BadZipFile) as error:
-        raise TerrainError(
-            f"{path} cannot be unpacked ({error}). Copy or download it again."
-        ) from error
-    if len(names) != 1:
-        raise TerrainError(
-            f"{path} holds {len(names)} elevation models, must hold one. Unpack it and name the "
-            "one, or the folder of neighbouring tiles."
-        )
-    return names[0]
-
-
-def _check_file(path: Path) -> None:
+def check_file(path: Path) -> None:
+    """Raise TerrainError for a file that is missing, empty, of another format or cut short."""
     if not path.exists():
         raise TerrainError(f"{path} does not exist. Name a DEM file, or the built-in 'jacksboro'.")
     if not path.is_file():
@@ -133,35 +110,53 @@ def _check_file(path: Path) -> None:
     size = path.stat().st_size
     if size == 0:
         raise TerrainError(f"{path} is empty. Copy or download it again.")
-    suffix = kind_of(path)
+    suffix = packed.kind_of(path, SUFFIXES)
     if suffix in _OTHERS:
         raise TerrainError(f"{path} is {_OTHERS[suffix]}.")
-    if suffix not in FORMATS:
+    if suffix not in SUFFIXES:
         raise TerrainError(
             f"{path} is of no known DEM format. Use GeoTIFF (.tif), SRTM (.hgt), Esri ASCII (.asc) "
             "or a GDAL mosaic (.vrt); gdal_translate converts others."
         )
     if suffix == ".hgt":
-        packed = path.suffix.lower() in _PACKED
-        if not _HGT_NAME.match(Path(_member(path)).name if path.suffix == ".zip" else path.name):
-            raise TerrainError(
-                f"{path} has no tile in its name, which alone says where it lies. "
-                "Give it back its name, such as N40W106.hgt."
-            )
-        if not packed and (size % 2 or size // 2 not in _HGT_SAMPLES):
-            raise TerrainError(
-                f"{path} has {size} bytes, an SRTM tile has 2884802 (3 arc-seconds) or 25934402 "
-                "(1 arc-second). It is cut short or still compressed; unpack or download it again."
-            )
+        _check_srtm(path, size)
+
+
+def _check_srtm(path: Path, size: int) -> None:
+    if not _HGT_NAME.match(packed.inner_name(path, SUFFIXES)):
+        raise TerrainError(
+            f"{path} has no tile in its name, which alone says where it lies. "
+            "Give it back its name, such as N40W106.hgt."
+        )
+    if path.suffix.lower() in packed.PACKINGS:
+        return
+    if size % 2 or size // 2 not in _HGT_SAMPLES:
+        raise TerrainError(
+            f"{path} has {size} bytes, an SRTM tile has 2884802 (3 arc-seconds) or 25934402 "
+            "(1 arc-second). It is cut short or still compressed; unpack or download it again."
+        )
+
+
+def _check_content(dataset: rasterio.DatasetReader, path: Path) -> None:
+    if dataset.count > 1:
+        raise TerrainError(
+            f"{path} has {dataset.count} bands, an elevation model has one. "
+            "It may be an orthophoto; name the elevation model, or extract its band."
+        )
+    if dataset.colorinterp[0] == ColorInterp.palette:
+        raise TerrainError(
+            f"{path} holds numbers of colours from a palette, a picture, not heights. "
+            "Name the elevation model that it was drawn from."
+        )
+    if np.dtype(dataset.dtypes[0]).kind not in "iuf":
+        raise TerrainError(
+            f"{path} holds {dataset.dtypes[0]} values, not heights. Name an elevation model."
+        )
 
 
 def _open(path: Path) -> rasterio.DatasetReader:
-    suffix = kind_of(path)
-    name = str(path)
-    packed = _PACKED.get(path.suffix.lower())
-    if packed:
-        inner = f"/{_member(path)}" if packed == "zip" else ""
-        name = f"/vsi{packed}/{path.absolute()}{inner}"
+    suffix = packed.kind_of(path, SUFFIXES)
+    name = packed.vsi_path(path, SUFFIXES)
     try:
         with warnings.catch_warnings():
             # A raster without a place on earth is refused below, in our own words.
@@ -187,7 +182,7 @@ def _crs(dataset: rasterio.DatasetReader, path: Path) -> CRS:
     if dataset.crs is None:
         bounds = dataset.bounds
         looks_geographic = (
-            kind_of(path) == ".asc"
+            packed.kind_of(path, SUFFIXES) == ".asc"
             and -180 <= bounds.left < bounds.right <= 360
             and -90 <= bounds.bottom < bounds.top <= 90
         )
@@ -200,6 +195,7 @@ def _crs(dataset: rasterio.DatasetReader, path: Path) -> CRS:
     try:
         found = CRS.from_wkt(dataset.crs.to_wkt())
         if found.geodetic_crs is not None:
+            _check_place(dataset, found, path)
             return found
         raise TerrainError(
             f"{path} is in a local system ({found.name}), which says nothing of where on earth it "
@@ -210,6 +206,28 @@ def _crs(dataset: rasterio.DatasetReader, path: Path) -> CRS:
             f"{path} has a coordinate system that PROJ does not know ({error}). "
             "Convert it with gdalwarp -t_srs EPSG:4326."
         ) from error
+
+
+def _check_place(dataset: rasterio.DatasetReader, crs: CRS, path: Path) -> None:
+    """Refuse metres that are said to be degrees, and degrees that are said to be metres."""
+    a, b, c, d, e, f = dataset.transform[:6]
+    cell = min(math.hypot(a, d), math.hypot(b, e))
+    corner = max(abs(c), abs(f), abs(dataset.bounds.right), abs(dataset.bounds.bottom))
+    horizontal = _horizontal(crs)
+    if horizontal.is_geographic:
+        degrees = math.degrees(horizontal.axis_info[0].unit_conversion_factor)
+        if corner * degrees > _MOST_DEGREES:
+            raise TerrainError(
+                f"{path} is said to be in degrees ({horizontal.name}), but has coordinates up to "
+                f"{corner:.0f}: metres of a map. Set its own system with gdal_edit.py -a_srs "
+                "EPSG:…."
+            )
+    elif cell < _LEAST_CELL_M and corner <= _MOST_DEGREES:
+        raise TerrainError(
+            f"{path} is said to be in metres ({horizontal.name}), but has cells of {cell:.3g} and "
+            f"coordinates up to {corner:.4g}: degrees. Set its own system with gdal_edit.py -a_srs "
+            "EPSG:4326."
+        )
 
 
 def _horizontal(crs: CRS) -> CRS:

@@ -15,7 +15,7 @@ def make_dem(height, size=(400.0, 400.0), margin=100.0, step=5.0):
     x, y = (np.arange(-h, h + step / 2, step) for h in half)
     surface = CubicSurface.through(height(*np.meshgrid(x, y)), x[0], y[0], step, step)
     origin = Origin(36.6, -84.2, 500.0)
-    return Dem(origin, size, half, surface, "mean sea level", above_ellipsoid=False, description="")
+    return Dem(origin, size, half, surface, "mean sea level", description="")
 
 
 def flat():

@@ -237,15 +237,6 @@ def test_speeds_and_jumps_are_said(tmp_path, dem):
     assert note.endswith("passed over: speed (178) × 1, jump (177) × 1")
 
 
-def test_altitudes_over_an_ellipsoid_are_said(tmp_path, dem):
-    """A point of GeoJSON tells no datum, so it is the terrain's, in a line."""
-    from dataclasses import replace
-
-    other = replace(dem, above_ellipsoid=True, height_datum="ellipsoid of WGS 84")
-    notes = read_waypoint_set(CASES / "11-dronetm.geojson", other).notes
-    assert any("taken above the ellipsoid" in note for note in notes)
-
-
 def test_a_plan_under_another_name_is_told(tmp_path, dem):
     """Its JSON is no GeoJSON."""
     path = tmp_path / "m.json"

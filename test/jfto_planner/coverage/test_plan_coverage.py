@@ -22,7 +22,7 @@ def make_dem(height, size=(400.0, 300.0), margin=400.0, step=10.0):
     x, y = (np.arange(-h, h + step / 2, step) for h in half)
     surface = CubicSurface.through(height(*np.meshgrid(x, y)), x[0], y[0], step, step)
     origin = Origin(36.6, -84.2, 500.0)
-    return Dem(origin, size, half, surface, "mean sea level", above_ellipsoid=False, description="")
+    return Dem(origin, size, half, surface, "mean sea level", description="")
 
 
 def tilted(slope):

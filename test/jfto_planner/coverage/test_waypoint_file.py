@@ -2,11 +2,13 @@ import json
 
 import numpy as np
 import pytest
+import rasterio
+from affine import Affine
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jfto_msgs_py.errors import WaypointError
-from jfto_planner.coverage import read_waypoint_set, read_waypoints
+from jfto_planner.coverage import read_waypoints
 from jfto_world.terrain import load_dem
 
 LAT, LON = 36.6301, -84.2626
@@ -203,23 +205,22 @@ def test_bad_files_are_refused_with_place_reason_and_cure(tmp_path, dem, case):
     assert str(caught.value).rstrip().endswith((".", ")."))
 
 
-def test_sea_level_and_ellipsoid_are_brought_together_by_the_geoid(tmp_path, dem):
-    """Over a DEM above the ellipsoid a .plan's altitudes are raised by the geoid, which is said.
+def test_sea_level_and_ellipsoid_are_never_mixed(tmp_path):
+    """Altitudes above sea level mean the same over heights above the ellipsoid and above the sea.
 
-    There (Tennessee) it lies some 31 m below the ellipsoid.
+    At Zurich the geoid lies 47.5 m above the ellipsoid: an altitude of 500 m is 100 m above a
+    ground that is 447.5 m above the ellipsoid.
     """
-    from dataclasses import replace
-
-    other = replace(dem, above_ellipsoid=True, height_datum="ellipsoid of WGS 84")
-    path = write(tmp_path, "w.plan", plan(item()))
-    heights = [read_waypoints(path, ground)[0].position_m[2] for ground in (dem, other)]
-    assert heights[1] - heights[0] == pytest.approx(-31.5, abs=1.5)
-    (note,) = read_waypoint_set(path, other).notes
-    assert "above sea level are brought to the ellipsoid" in note
-    # The other way about, and back where the terrain is above the ellipsoid itself.
-    text = f"lat,lon,ellipsoid_m\n{LAT},{LON},{900 + heights[1] - heights[0]}\n"
-    (back,) = read_waypoints(write(tmp_path, "w.csv", text), dem)
-    assert back.position_m[2] == pytest.approx(heights[0], abs=1e-3)
-    (own,) = read_waypoints(path.with_suffix(".csv"), other)
-    assert own.position_m[2] == pytest.approx(heights[1], abs=1e-3)
-    assert not read_waypoint_set(write(tmp_path, "v.plan", plan(item(frame=10))), other).notes
+    lat, lon, heights = 47.375, 8.55, np.full((80, 80), 447.5, dtype=np.float32)
+    options = {"driver": "GTiff", "count": 1, "dtype": "float32", "height": 80, "width": 80}
+    options["transform"] = Affine(1 / 3600, 0, lon - 40 / 3600, 0, -1 / 3600, lat + 40 / 3600)
+    path = tmp_path / "ellipsoidal.tif"
+    with rasterio.open(path, "w", crs="EPSG:4979", **options) as file:
+        file.write(heights, 1)
+    dem = load_dem(path, center=(lat, lon), size_m=(300, 300))
+    (found,) = read_waypoints(write(tmp_path, "w.plan", plan(item(lat, lon, 500.0))), dem)
+    assert found.position_m[2] == pytest.approx(100.0, abs=1.0)
+    assert "brought to sea level by the geoid EGM96" in " ".join(dem.notes)
+    text = f"lat,lon,ellipsoid_m\n{lat},{lon},547.5\n"
+    (same,) = read_waypoints(write(tmp_path, "w.csv", text), dem)
+    assert same.position_m[2] == pytest.approx(100.0, abs=1e-3)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import numpy as np
-import pyproj
 import pytest
 import rasterio
 from affine import Affine
@@ -72,7 +74,7 @@ def test_the_table_is_whole_at_poles_and_meridians():
         )
 
 
-def test_a_grid_of_proj_is_used_where_it_is_installed(tmp_path, monkeypatch):
+def test_a_grid_of_proj_is_used_where_it_is_installed(tmp_path):
     """With us_nga_egm96_15.tif in PROJ's data the table is left aside, and the name says so."""
     heights = np.full((721, 1441), 12.5, dtype=np.float32)
     with rasterio.open(
@@ -90,12 +92,13 @@ def test_a_grid_of_proj_is_used_where_it_is_installed(tmp_path, monkeypatch):
         dataset.write(heights, 1)
         dataset.update_tags(AREA_OR_POINT="Point", TYPE="VERTICAL_OFFSET_GEOGRAPHIC_TO_VERTICAL")
         dataset.set_band_description(1, "geoid_undulation")
-    before = pyproj.datadir.get_data_dir()
-    geoid._proj_grid.cache_clear()
-    try:
-        pyproj.datadir.append_data_dir(str(tmp_path))
-        assert geoid.geoid_height(46.0, 367.0) == pytest.approx(12.5, abs=1e-6)
-        assert "PROJ's us_nga_egm96_15.tif" in geoid.geoid_name()
-    finally:
-        pyproj.datadir.set_data_dir(before)
-        geoid._proj_grid.cache_clear()
+    # In a process of its own: PROJ keeps what it opened for as long as a process lives.
+    code = (
+        f"import pyproj; pyproj.datadir.append_data_dir({str(tmp_path)!r})\n"
+        "from jfto_world.terrain.geoid import geoid_height, geoid_name\n"
+        "print(float(geoid_height(46.0, 367.0)), geoid_name())"
+    )
+    found = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    height, name = found.stdout.split(maxsplit=1)
+    assert float(height) == pytest.approx(12.5, abs=1e-6)
+    assert "PROJ's us_nga_egm96_15.tif" in name

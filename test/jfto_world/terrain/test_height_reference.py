@@ -83,16 +83,17 @@ def test_contradictions_are_refused(tmp_path):
             load_dem(geoid, center=None, size_m=SIZE, declared=DeclaredHeights("", datum))
     for datum in ("EGM2008", "sea_level", ""):
         dem = load_dem(geoid, center=None, size_m=SIZE, declared=DeclaredHeights("", datum))
-        assert not dem.above_ellipsoid
+        assert dem.origin.alt_m == pytest.approx(1239, abs=0.5)
 
 
 @pytest.mark.parametrize("datum", ["ellipsoid", "EGM96", "EGM2008", "sea_level"])
 def test_a_datum_that_the_file_does_not_name_is_declared(tmp_path, datum):
-    """Heights above an ellipsoid are known as such, and the description names what was said."""
+    """Heights above an ellipsoid are brought to sea level, and a line names what was said."""
     declared = DeclaredHeights("", datum)
     dem = load_dem(write(tmp_path / "d.tif"), center=None, size_m=SIZE, declared=declared)
-    assert dem.above_ellipsoid == (datum == "ellipsoid")
-    assert "as declared" in dem.description
+    geoid_m = 51.9 if datum == "ellipsoid" else 0.0
+    assert dem.origin.alt_m == pytest.approx(1239 - geoid_m, abs=0.5)
+    assert "as declared" in dem.description + " ".join(dem.notes)
     with pytest.raises(TerrainError, match="Leave out"):
         load_dem("jacksboro", center=None, size_m=SIZE, declared=declared)
 
@@ -195,18 +196,21 @@ def test_neighbouring_tiles_are_one_ground(tmp_path):
 
 
 def test_tiles_that_do_not_fit_are_refused(tmp_path):
-    """Other cells, another coordinate system, another datum."""
+    """Another datum; heights that are 100 m off where two overlap."""
     for name, options, words in (
-        ("cells", {"cell": 1 / 1000}, "other cells"),
-        ("crs", {"crs": "EPSG:4258"}, "another coordinate system"),
         ("datum", {"crs": "EPSG:4326+3855"}, "another height datum"),
+        (
+            "off",
+            {"heights": np.full((240, 240), 1139.0, dtype=np.float32)},
+            "differ by 244 m there",
+        ),
     ):
         folder = tmp_path / name
         folder.mkdir()
         write(folder / "a.tif")
-        write(folder / "b.tif", **{"west": 7.7} | options)
+        write(folder / "b.tif", **{"west": 7.6} | options)
         with pytest.raises(TerrainError, match=words):
-            load_dem(folder, center=(46.2, 7.6), size_m=SIZE)
+            load_dem(folder, center=(46.2, 7.66), size_m=SIZE)
 
 
 def test_packed_and_mosaic_files(tmp_path):
@@ -229,10 +233,10 @@ def test_packed_and_mosaic_files(tmp_path):
 
 
 def test_files_that_are_no_models_are_told(tmp_path):
-    """ArduPilot's cache, point clouds, archives of many or of none."""
-    (tmp_path / "N46E007.DAT").write_bytes(b"\x00" * 2048)
-    with pytest.raises(TerrainError, match=r"ArduPilot's own cache.*\.hgt"):
-        load_dem(tmp_path / "N46E007.DAT", center=None, size_m=SIZE)
+    """Point clouds, archives of many or of none."""
+    (tmp_path / "cloud.laz").write_bytes(b"LASF")
+    with pytest.raises(TerrainError, match=r"a point cloud: make a grid"):
+        load_dem(tmp_path / "cloud.laz", center=None, size_m=SIZE)
     with zipfile.ZipFile(tmp_path / "two.zip", "w") as archive:
         archive.writestr("a.tif", b"x")
         archive.writestr("b.tif", b"x")

@@ -149,15 +149,16 @@ def test_heights_in_feet_become_metres(tmp_path):
     named = load_dem(compound, center=(40.2, -105.5), size_m=(1000, 1000))
     assert named.origin.alt_m == pytest.approx(metres.origin.alt_m, abs=1e-2)
     assert "NAVD88" in named.height_datum
-    assert not named.above_ellipsoid
 
 
 def test_ellipsoidal_heights_are_told_apart(tmp_path):
-    """A three-dimensional geographic CRS means heights above the ellipsoid."""
+    """A three-dimensional geographic CRS means heights above the ellipsoid: 13.5 m more there."""
     path = write_tif(tmp_path / "e.tif", hills(), crs="EPSG:4979")
-    dem = load_dem(path, center=(40.2, -105.5), size_m=(1000, 1000))
-    assert dem.above_ellipsoid
-    assert "ellipsoid" in dem.height_datum
+    plain = write_tif(tmp_path / "p.tif", hills())
+    dem, sea = (load_dem(p, center=(40.2, -105.5), size_m=(1000, 1000)) for p in (path, plain))
+    assert dem.origin.alt_m - sea.origin.alt_m == pytest.approx(13.5, abs=0.5)
+    assert "geoid EGM96" in dem.description
+    assert "above the ellipsoid of WGS 84" in dem.notes[0]
 
 
 def test_zeros_are_missing_data_unless_told_otherwise(tmp_path):

@@ -1,0 +1,45 @@
+"""What a GDAL mosaic (.vrt) names, looked at before GDAL follows it."""
+
+from __future__ import annotations
+
+import html
+import re
+from pathlib import Path
+
+from jfto_msgs_py.errors import TerrainError
+
+_SOURCE = re.compile(r"<SourceFilename([^>]*)>([^<]*)</SourceFilename>|<SourceDataset>([^<]*)<")
+_RELATIVE = re.compile(r'relativeToVRT\s*=\s*"1"')
+_LARGEST_BYTES = 2**26
+
+
+def check_mosaic(path: Path) -> None:
+    """Raise TerrainError for a mosaic of files that are not there or lie on a network.
+
+    GDAL opens a mosaic's files only when their cells are read, and would fetch or wait then.
+    """
+    if path.stat().st_size > _LARGEST_BYTES:
+        raise TerrainError(f"{path} is larger than any mosaic. Name one made by gdalbuildvrt.")
+    text = path.read_text(encoding="utf-8", errors="replace")
+    for attributes, named, dataset in _SOURCE.findall(text):
+        name = html.unescape(named or dataset).strip()
+        if name.startswith("/vsi") and not name.startswith(("/vsizip/", "/vsigzip/")):
+            raise TerrainError(
+                f"{path} names {name[:80]!r}, which is no file of this computer. Download what it "
+                "names and make the mosaic of that (gdalbuildvrt)."
+            )
+        if "://" in name:
+            raise TerrainError(
+                f"{path} names {name[:80]!r} on a network. Download it and make the mosaic of that "
+                "(gdalbuildvrt)."
+            )
+        if name.startswith("/vsi") or not name:
+            continue
+        file = path.parent / name if _RELATIVE.search(attributes) else Path(name)
+        if file.absolute() == path.absolute():
+            raise TerrainError(f"{path} names itself. Make it anew with gdalbuildvrt.")
+        if not file.exists():
+            raise TerrainError(
+                f"{path} names {name[:200]!r}, which does not exist. Copy the tiles with the "
+                "mosaic, or make it anew where they lie (gdalbuildvrt)."
+            )

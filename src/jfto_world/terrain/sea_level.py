@@ -1,0 +1,96 @@
+"""Heights of one or several elevation models under an area, above sea level."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from jfto_msgs_py.errors import TerrainError
+from jfto_msgs_py.types import Array
+from jfto_world.terrain.area_grid import SEAM_CELLS, AreaGrid
+from jfto_world.terrain.frame import LocalFrame
+from jfto_world.terrain.geoid import geoid_height, geoid_name
+from jfto_world.terrain.layer import Heights, Layer
+from jfto_world.terrain.overlap import Overlap
+
+
+def altitudes_under(
+    layers: Sequence[Layer], grid: AreaGrid, frame: LocalFrame, zero_is_void: bool, name: str
+) -> tuple[Heights, tuple[str, ...]]:
+    """Altitudes above sea level at the grid's places, and a line on how well layers agree.
+
+    Of several layers the first that has a height is taken: they come finest first. Raises
+    TerrainError for places without a height in any.
+    """
+    lat, lon = grid.lat, grid.lon
+    beyond = 0.0 if len(layers) == 1 else SEAM_CELLS
+    parts: list[tuple[Layer, Heights]] = []
+    overlap = Overlap()
+    found = np.full(lat.shape, np.nan)
+    for layer in layers:
+        here = layer.covers(lat, lon, beyond)
+        if not here.any():
+            continue
+        read = layer.heights(
+            lat[here], lon[here], grid.spacing_m, layer.cell_m(frame), zero_is_void
+        )
+        heights = _within(layer, _at_sea_level(layer, read), beyond)
+        heights_here = heights(lat, lon)
+        if parts:
+            overlap.compare((parts[0][0].name, found), (layer.name, heights_here))
+        found = np.where(np.isnan(found), heights_here, found)
+        parts.append((layer, heights))
+    _check_whole(found, grid, zero_is_void, name)
+
+    def altitudes(lat_deg: Array, lon_deg: Array) -> Array:
+        result = parts[0][1](lat_deg, lon_deg)
+        for _, heights in parts[1:]:
+            missing = np.isnan(result)
+            if missing.any():
+                result[missing] = heights(lat_deg[missing], lon_deg[missing])
+        return result
+
+    return altitudes, overlap.notes()
+
+
+def datum_of(layer: Layer, frame: LocalFrame) -> tuple[str, tuple[str, ...]]:
+    """What altitudes of a layer are measured from at sea level, and a line if that was changed."""
+    if not layer.above_ellipsoid:
+        return layer.height_datum, ()
+    origin = frame.origin
+    geoid_m = float(geoid_height(origin.lat_deg, origin.lon_deg))
+    how = f"are brought to sea level by the geoid {geoid_name()}, {geoid_m:+.1f} m at the origin"
+    return (
+        f"mean sea level by the geoid {geoid_name()}",
+        (f"{layer.name}: heights above the {layer.height_datum} {how}",),
+    )
+
+
+def _within(layer: Layer, heights: Heights, beyond: float) -> Heights:
+    """Heights, NaN where the layer doesn't reach."""
+
+    def limited(lat: Array, lon: Array) -> Array:
+        return np.where(layer.covers(lat, lon, beyond), heights(lat, lon), np.nan)
+
+    return limited if beyond else heights
+
+
+def _at_sea_level(layer: Layer, heights: Heights) -> Heights:
+    if not layer.above_ellipsoid:
+        return heights
+    return lambda lat, lon: heights(lat, lon) - geoid_height(lat, lon)
+
+
+def _check_whole(found: Array, grid: AreaGrid, zero_is_void: bool, name: str) -> None:
+    missing = np.isnan(found)
+    if not missing.any():
+        return
+    row, column = np.argwhere(missing)[0]
+    zero = "Heights of 0 m count as missing; set zero_is_void to false where they are sea. "
+    raise TerrainError(
+        f"{name}: {100 * float(missing.mean()):.2g} % of the area or its margin is without a "
+        f"height, first at {float(grid.lat[row, column]):.5f}, "
+        f"{float(grid.lon[row, column]):.5f}. {zero if zero_is_void else ''}"
+        "Move the centre, shrink the margin, or fill the gaps (gdal_fillnodata.py)."
+    )
