@@ -58,6 +58,11 @@ def member(path: Path, suffixes: frozenset[str]) -> str:
     (model,) = models
     if model.flag_bits & 1:
         raise TerrainError(f"{path} is locked with a password. Unpack it and name what it holds.")
+    if ".." in Path(model.filename).parts or Path(model.filename).is_absolute():
+        raise TerrainError(
+            f"{path} holds {model.filename[:80]!r}, a path that leads out of it. Pack it anew "
+            "without folders."
+        )
     _check_size(path, model.file_size)
     return model.filename
 

@@ -87,9 +87,11 @@ def _check_whole(found: Array, grid: AreaGrid, zero_is_void: bool, name: str) ->
     if not missing.any():
         return
     row, column = np.argwhere(missing)[0]
+    percent = 100 * float(missing.mean())
+    share = f"{percent:.0f}" if percent >= 1 else f"{percent:.2g}"
     zero = "Heights of 0 m count as missing; set zero_is_void to false where they are sea. "
     raise TerrainError(
-        f"{name}: {100 * float(missing.mean()):.2g} % of the area or its margin is without a "
+        f"{name}: {share} % of the area or its margin is without a "
         f"height, first at {float(grid.lat[row, column]):.5f}, "
         f"{float(grid.lon[row, column]):.5f}. {zero if zero_is_void else ''}"
         "Move the centre, shrink the margin, or fill the gaps (gdal_fillnodata.py)."
