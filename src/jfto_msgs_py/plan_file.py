@@ -13,6 +13,7 @@ import numpy as np
 
 from jfto_msgs_py.errors import PlanError
 from jfto_msgs_py.files import FileKind, plain, read_text, record_of_text, write_file
+from jfto_msgs_py.records.battery import Battery
 from jfto_msgs_py.records.certificate import Certificate
 from jfto_msgs_py.records.fields import FILLED, MAY_LACK, Range, record_from
 from jfto_msgs_py.records.plan import (
@@ -131,6 +132,7 @@ def _uav_object(uav: Uav, route: Route, home: WayHome | None) -> dict[str, Any]:
     return {
         "id": uav.id,
         **{name: getattr(uav, name) for name in (*UAV_LIMITS, "endurance_s")},
+        **({"battery": uav.battery} if uav.battery else {}),
         "start_m": uav.start_m,
         "route": route.waypoint_ids,
         "arrival_s": route.arrival_s,
@@ -168,6 +170,7 @@ class _Uav:
     arrival_s: tuple[NotNegative, ...]
     length_m: NotNegative
     endurance_s: NotNegative = field(default=0.0, metadata=MAY_LACK)
+    battery: Battery | None = field(default=None, metadata=MAY_LACK)
     home: WayHome | None = field(default=None, metadata=MAY_LACK)
 
 

@@ -57,16 +57,29 @@ def command(plan: Path, as_json: bool) -> int:
 
 
 def _battery(plan: Plan) -> str:
-    """What is left of the shortest endurance once its UAV has landed."""
-    left = [
-        (uav.endurance_s - home.landed_s, uav)
-        for uav, home in zip(plan.uavs, plan.homes or (None,) * len(plan.uavs), strict=True)
-        if uav.endurance_s and home is not None
-    ]
-    if not left:
-        return "not checked: fleet.endurance_s is not given, or no way home"
-    spare_s, uav = min(left, key=lambda one: one[0])
-    return f"{spare_s:.0f} s of {uav.endurance_s:g} s left on landing ({uav.id}, the tightest)"
+    """What is left of the scarcest battery, or of the shortest endurance, on landing."""
+    from jfto_world.motion.battery import airborne, drain_of
+
+    texts = []
+    for a, (uav, home) in enumerate(zip(plan.uavs, plan.homes, strict=bool(plan.homes))):
+        drain = drain_of(plan, a)
+        if drain is not None:
+            capacity_wh = drain.battery.capacity_wh
+            left = 1 - drain.energy_wh(airborne(plan, a)) / capacity_wh
+            text = f"{100 * left:.0f} % of {capacity_wh:g} Wh left on landing"
+            spare = left - drain.battery.reserve_percent / 100
+        elif uav.endurance_s:
+            spare_s = uav.endurance_s - home.landed_s
+            text = f"{spare_s:.0f} s of {uav.endurance_s:g} s left on landing"
+            spare = spare_s / uav.endurance_s
+        else:
+            continue
+        texts.append((spare, f"{text} ({uav.id}, the tightest)"))
+    if not texts:
+        return (
+            "not checked: neither fleet.battery_wh nor fleet.endurance_s is given, or no way home"
+        )
+    return min(texts)[1]
 
 
 def _energy(floor_j: tuple[float, ...], budget_j: list[float]) -> str:

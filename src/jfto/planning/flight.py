@@ -25,6 +25,7 @@ from jfto_planner.smoothing import (
     smooth_fleet,
 )
 from jfto_world.motion import TimeModel, time_model_named
+from jfto_world.motion.battery import airborne, drain_of
 from jfto_world.radio import degrees, pairwise_distances
 
 # What a rule that was broken is tightened by before the next search, beyond what was missing.
@@ -160,7 +161,7 @@ def tightened(problem: RoutingProblem, plan: Plan) -> RoutingProblem:
 
 
 def _too_long_s(plan: Plan, problem: RoutingProblem) -> Array:
-    """By how much sooner each UAV (A,) must be done so that all are home within their endurance.
+    """By how much sooner each UAV (A,) must be done so that batteries bring all of them home.
 
     Nobody leaves before all are done, so that one short battery draws everybody in.
     """
@@ -169,6 +170,9 @@ def _too_long_s(plan: Plan, problem: RoutingProblem) -> Array:
         for uav, home in zip(plan.uavs, plan.homes, strict=bool(plan.homes))
         if uav.endurance_s
     ]
+    if plan.homes:
+        drains = ((drain_of(plan, a), airborne(plan, a)) for a in range(len(plan.uavs)))
+        over_s += [-drain.left_s(flown) for drain, flown in drains if drain is not None]
     worst_s = max(over_s, default=0.0)
     done_s = float(ends_s(plan).max()) - worst_s
     # A horizon that is given does not move, and nobody is done before lift-off.

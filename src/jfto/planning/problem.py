@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from jfto.planning.endurance import battery_of, latest_arrivals_s
 from jfto.planning.flight import flight_of
 from jfto.planning.network import energy_floor_of
 from jfto.planning.speeds import fleet_limits
@@ -39,15 +40,13 @@ def routing_problem(scenario: Scenario, found: Survey) -> RoutingProblem:
     if flight.estimated:
         pads = np.array(rounded_record(pads))
     check_starts(pads, reach, network.k_min, mission.d_min_m, fleet.ids)
+    uavs = plan_uavs(scenario, found, pads)
     return RoutingProblem(
         waypoints_m=waypoints,
         starts_m=pads,
-        limits=tuple(
-            MotionLimits(uav.speed_mps, uav.climb_mps, uav.descent_mps)
-            for uav in plan_uavs(scenario, pads)
-        ),
+        limits=tuple(MotionLimits(uav.speed_mps, uav.climb_mps, uav.descent_mps) for uav in uavs),
         time_model=flight.model(),
-        t_max_s=np.array(fleet.t_max_s),
+        t_max_s=np.array([uav.t_max_s for uav in uavs]),
         reach_m=reach,
         k_min=network.k_min,
         d_min_m=mission.d_min_m,
@@ -112,21 +111,24 @@ def _pads(scenario: Scenario, found: Survey, waypoints: Array, reach: Array) -> 
     )
 
 
-def plan_uavs(scenario: Scenario, pads_m: Array) -> tuple[Uav, ...]:
-    """Records of a fleet on its pads (A, 3)."""
+def plan_uavs(scenario: Scenario, found: Survey, pads_m: Array) -> tuple[Uav, ...]:
+    """Records of a fleet on its pads (A, 3); raises InfeasibleError for too small batteries."""
     fleet = scenario.fleet
+    waypoints = np.array([waypoint.position_m for waypoint in found.waypoints])
+    latest = latest_arrivals_s(scenario, waypoints, pads_m)
     return tuple(
         Uav(
             id=fleet.ids[uav],
             p_max_dbm=fleet.p_max_dbm[uav],
             energy_j=fleet.energy_j[uav],
-            t_max_s=fleet.t_max_s[uav],
+            t_max_s=float(latest[uav]),
             # As in the plan file, since times follow from them.
             speed_mps=rounded_record(limits.speed_mps),
             climb_mps=rounded_record(limits.climb_mps),
             descent_mps=rounded_record(limits.descent_mps),
             start_m=_vector(pads_m[uav]),
             endurance_s=fleet.endurance_s[uav],
+            battery=battery_of(scenario, uav),
         )
         for uav, limits in enumerate(fleet_limits(scenario))
     )

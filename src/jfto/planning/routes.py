@@ -48,6 +48,8 @@ from jfto_planner.routing.certificate.mission_size import require_missions_to_ho
 ROUNDS, LATER_SHARE = 4, 4
 # Leg estimates are corrected by the routes of a search that tries so much fewer moves.
 CALIBRATION_SHARE = 16
+# Rules for the whole flight, ways home included, of which the search knows the arrivals only.
+BATTERY_KINDS = {"battery", "endurance"}
 
 
 @dataclass(frozen=True)
@@ -141,7 +143,8 @@ def _known(flight: Flight, plan: Plan) -> bool:
     kinds = {violation.kind for violation in plan.certificate.violations}
     # A search for other routes knows nothing of the ways home from them, nor of missions.
     return kinds <= {"home", "items"} or (
-        flight.exact and (not flight.estimated or kinds not in ({"separation"}, {"endurance"}))
+        flight.exact
+        and (not flight.estimated or not (kinds <= BATTERY_KINDS or kinds == {"separation"}))
     )
 
 
@@ -190,7 +193,7 @@ def _as_flown(
         slot_count=mission.slot_count,
         horizon_s=mission.horizon_s or None,
         waypoints=found.waypoints,
-        uavs=plan_uavs(scenario, problem.starts_m),
+        uavs=plan_uavs(scenario, found, problem.starts_m),
         wind_mps=planned_wind_mps(scenario),
     )
     curves = flight.trajectories(problem, routes, scenario.fleet.ids, found.dem.height)

@@ -76,6 +76,17 @@ def scenario_values(plan: Plan) -> dict[str, Any]:
     }
     for key in ("p_max_dbm", "energy_j", "t_max_s", "speed_mps", "climb_mps", "descent_mps"):
         values[f"fleet.{key}"] = tuple(getattr(uav, key) for uav in uavs)
+    batteries = [uav.battery for uav in uavs]
+    if any(batteries):
+        for key, name in (
+            ("battery_wh", "capacity_wh"),
+            ("hover_power_w", "hover_power_w"),
+            ("cruise_power_w", "cruise_power_w"),
+        ):
+            values[f"fleet.{key}"] = tuple(getattr(one, name, 0.0) for one in batteries)
+        values["fleet.battery_reserve_percent"] = next(
+            one.reserve_percent for one in batteries if one
+        )
     values |= {f"radio.{key}": value for key, value in dataclasses.asdict(plan.radio).items()}
     keys = _TRAJECTORY_KEYS.get(plan.time_model, {})
     for name, value in plan.time_parameters.items():

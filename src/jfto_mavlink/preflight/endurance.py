@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from jfto_mavlink.preflight.case import Case
 from jfto_mavlink.preflight.home import way_home_s
 from jfto_mavlink.preflight.page import AMBER, GREEN, RED, Finding
+from jfto_world.motion.battery import HOUR_S, Airborne
 
 _SPEEDS = ("WPNAV_SPEED", "WPNAV_SPEED_UP", "WPNAV_SPEED_DN")
 # Rotors spin up and the vehicle disarms.
@@ -44,13 +45,13 @@ def battery(case: Case) -> Iterator[Finding]:
     """Whether what is left in the battery lasts for the mission, the way home and a reserve."""
     settings, now = case.settings, case.now
     percent, time_s = now.battery_percent, needed_s(case)
-    full_s = lasts_s(case)
+    full = of_a_full_one(case)
     if percent is None or not case.aboard.get("BATT_MONITOR", 4.0):
         text = f"needs {time_s:.0f} s with the way home; what is left in its battery is not known"
         yield Finding("battery", AMBER, text, "Set up its battery monitor, or measure by hand.")
         return
-    if full_s is not None:
-        yield _lasts(case, percent, full_s)
+    if full is not None:
+        yield _lasts(case, percent, *full)
         return
     if percent < settings.battery_min_percent:
         text = f"battery at {percent} %, needs {settings.battery_min_percent} %"
@@ -60,24 +61,38 @@ def battery(case: Case) -> Iterator[Finding]:
     yield Finding("battery", AMBER, text, "Give fleet.hover_power_w or fleet.endurance_s.")
 
 
-def lasts_s(case: Case) -> float | None:
-    """How long a full battery flies until it is empty, s; None where nobody says.
+def of_a_full_one(case: Case) -> tuple[float, float] | None:
+    """What the flight takes of a full battery, %, and how long a full one flies until it is empty,
+    s; None where nobody says.
 
-    By hover power and capacity where both are known, else by the endurance of the fleet, which
-    leaves the reserve out.
+    By powers and capacity where both are known, the vehicle's own before the plan's; else by the
+    endurance of the fleet, which leaves the reserve out.
     """
     uav, settings = case.mission.uav, case.settings
-    hover_w, volts = settings.hover_power_w.get(uav, 0.0), case.now.battery_v
-    capacity_ah = case.aboard.get("BATT_CAPACITY") / 1000
-    if hover_w > 0 and capacity_ah > 0 and volts:
-        return capacity_ah * volts * 3600 / hover_w
+    drain = settings.drains.get(uav)
+    if drain is not None:
+        aboard_wh = case.aboard.get("BATT_CAPACITY") / 1000 * (case.now.battery_v or 0.0)
+        capacity_wh = aboard_wh or drain.battery.capacity_wh
+        if capacity_wh > 0:
+            share = drain.energy_wh(_flown(case)) / capacity_wh
+            return 100 * share, capacity_wh * HOUR_S / drain.greatest_w
     endurance_s = settings.endurance_s.get(uav, 0.0)
-    return endurance_s / (1 - settings.battery_reserve_percent / 100) if endurance_s else None
+    if not endurance_s:
+        return None
+    full_s = endurance_s / (1 - settings.battery_reserve_percent / 100)
+    return 100 * needed_s(case) / full_s, full_s
 
 
-def _lasts(case: Case, percent: int, full_s: float) -> Finding:
+def _flown(case: Case) -> Airborne:
+    """How it spends the time from arming until it is down again."""
+    planned = case.settings.flown.get(case.mission.uav)
+    if planned is None or not case.mission.landed_s:
+        return Airborne(case.mission.ends_s + way_home_s(case), _AROUND_S)
+    return Airborne(planned.moving_s, planned.still_s + _AROUND_S)
+
+
+def _lasts(case: Case, percent: int, need: float, full_s: float) -> Finding:
     time_s, reserve = needed_s(case), case.settings.battery_reserve_percent
-    need = 100 * time_s / full_s
     text = (
         f"{percent} % left; needs {need:.0f} % for {time_s:.0f} s with the way home (a full one "
         f"flies {full_s:.0f} s) and {reserve:g} % of reserve"

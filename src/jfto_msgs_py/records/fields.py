@@ -55,7 +55,8 @@ class Key:
     `kind` is "bool", "int", "float" or "text"; `array` says that it holds a list, of `length`
     entries where that is fixed. A `per_uav` array has one entry per UAV, or one for all of them.
     `low` and `high` bound every entry, and are themselves allowed unless `strict`. `choices` lists
-    the allowed texts. A key that is not `hashed` cannot change a result for a given seed.
+    the allowed texts. A key that is not `hashed` cannot change a result for a given seed. One
+    that came `later` than plans whose hash must not change does not count at its default.
     """
 
     name: str
@@ -71,6 +72,13 @@ class Key:
     length: int | None = None
     per_uav: bool = False
     hashed: bool = True
+    later: bool = False
+
+    def is_default(self, value: Any) -> bool:
+        """Whether a value is the default, of a `per_uav` array for every UAV."""
+        if self.per_uav and len(self.default) == 1:
+            return set(value) == set(self.default)
+        return bool(value == self.default)
 
     @property
     def range_text(self) -> str:

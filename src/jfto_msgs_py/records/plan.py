@@ -9,6 +9,7 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jfto_msgs_py.records.battery import Battery
 from jfto_msgs_py.records.certificate import Certificate
 from jfto_msgs_py.records.fields import MAY_LACK, Range
 from jfto_msgs_py.records.radio import Radio
@@ -52,7 +53,8 @@ class Waypoint:
 class Uav:
     """One vehicle of the fleet: its limits and its pad (ENU metres).
 
-    `endurance_s` is how long its battery lets it fly from lift-off to landing, 0 where nobody said.
+    `endurance_s` is how long its battery lets it fly from lift-off to landing, 0 where nobody said;
+    `battery` says what there is to fly with, None where nobody knows.
     """
 
     id: str
@@ -64,6 +66,7 @@ class Uav:
     descent_mps: float
     start_m: Vector
     endurance_s: float = 0.0
+    battery: Battery | None = None
 
 
 @dataclass(frozen=True)

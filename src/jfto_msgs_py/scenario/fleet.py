@@ -29,9 +29,11 @@ class FleetPart:
     )
     t_max_s: tuple[float, ...] = param(
         (450.0,),
-        "Latest arrival at the last waypoint, T_a,max.",
+        "Latest arrival at the last waypoint, T_a,max. 0: as late as fleet.battery_wh, or "
+        "fleet.endurance_s, lets it come home from anywhere; also where fleet.battery_wh is given "
+        "and this is not.",
         unit="s",
-        low=1.0,
+        low=0.0,
         high=100_000.0,
         per_uav=True,
     )
@@ -53,14 +55,35 @@ class FleetPart:
     descent_mps: tuple[float, ...] = param(
         (3.0,), "Greatest descent speed.", unit="m/s", low=0.1, high=30.0, per_uav=True
     )
+    battery_wh: tuple[float, ...] = param(
+        (0.0,),
+        "Capacity of a full battery, which the whole flight must do with: legs, waits, the way "
+        "home and the landing. Needs fleet.hover_power_w. 0: not known, not checked.",
+        unit="Wh",
+        low=0.0,
+        high=100_000.0,
+        per_uav=True,
+        later=True,
+    )
     hover_power_w: tuple[float, ...] = param(
         (0.0,),
-        "Power that a UAV takes to fly, for the check of its charge before a flight; 0: unknown.",
+        "Power that a UAV takes to stand in the air, for fleet.battery_wh and for the check of its "
+        "charge before a flight; 0: unknown.",
         unit="W",
         low=0.0,
         high=50_000.0,
         per_uav=True,
-        hashed=False,
+        later=True,
+    )
+    cruise_power_w: tuple[float, ...] = param(
+        (0.0,),
+        "Power that a UAV takes under way at its speed in calm air; trajectory.wind_mps adds to "
+        "it. 0: as for standing.",
+        unit="W",
+        low=0.0,
+        high=50_000.0,
+        per_uav=True,
+        later=True,
     )
     battery_reserve_percent: float = param(
         20.0,
@@ -68,7 +91,7 @@ class FleetPart:
         unit="%",
         low=0.0,
         high=90.0,
-        hashed=False,
+        later=True,
     )
 
 

@@ -45,7 +45,11 @@ class Scenario:
 
     def scenario_hash(self) -> str:
         """SHA-256 of the values that decide the result, apart from the seed of the search."""
-        decisive = {name: value for name, value in self.values().items() if KEYS[name].hashed}
+        decisive = {
+            name: value
+            for name, value in self.values().items()
+            if KEYS[name].hashed and not (KEYS[name].later and KEYS[name].is_default(value))
+        }
         return hashlib.sha256(json.dumps(decisive, sort_keys=True).encode()).hexdigest()
 
 

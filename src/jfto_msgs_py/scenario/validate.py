@@ -161,6 +161,7 @@ def _check_together(values: dict[str, Any], given: Layer, problems: list[str]) -
     _check_camera(values, complain)
     _check_photos(values, complain)
     _check_starts(values, complain)
+    _check_batteries(values, given, complain)
 
 
 def _check_camera(values: dict[str, Any], complain: Any) -> None:
@@ -199,6 +200,31 @@ def _check_starts(values: dict[str, Any], complain: Any) -> None:
                 f"is {starts}, but there are {count} UAVs. Set it to {count} or less.",
             )
         values["starts.count"] = count
+
+
+def _check_batteries(values: dict[str, Any], given: Layer, complain: Any) -> None:
+    """Batteries need powers; a latest arrival that nobody gives follows from the battery."""
+    names = ("battery_wh", "hover_power_w", "endurance_s", "t_max_s")
+    fleet = [
+        dict(zip(names, row, strict=True))
+        for row in zip(*(_value(values, f"fleet.{name}") for name in names), strict=False)
+    ]
+    if any(one["battery_wh"] and not one["hover_power_w"] for one in fleet):
+        complain(
+            "fleet.battery_wh",
+            "is given without fleet.hover_power_w. Give the power that a UAV takes to stand in "
+            "the air.",
+        )
+    if "fleet.t_max_s" not in given:
+        values["fleet.t_max_s"] = tuple(
+            0.0 if one["battery_wh"] else one["t_max_s"] for one in fleet
+        )
+    elif any(not (one["t_max_s"] or one["battery_wh"] or one["endurance_s"]) for one in fleet):
+        complain(
+            "fleet.t_max_s",
+            "is 0, which is as late as the battery allows, but fleet.battery_wh and "
+            "fleet.endurance_s are not given. Give one of them, or the seconds.",
+        )
 
 
 def _value(values: Mapping[str, Any], name: str) -> Any:

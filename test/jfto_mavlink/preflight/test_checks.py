@@ -26,6 +26,8 @@ from jfto_mavlink.preflight.page import (
 )
 from jfto_mavlink.preflight.ready import wind
 from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.records.battery import Battery
+from jfto_world.motion.battery import Drain
 
 ON = {"FENCE_ENABLE": 1.0, "FENCE_TYPE": 7.0, "FENCE_ALT_MAX": 100.0, "FENCE_RADIUS": 300.0}
 HOME = (47.397742, 8.545594)
@@ -36,6 +38,11 @@ def square(half_m: float) -> Polygon:
     north, east = half_m / 111_200, half_m / 75_400
     corners = ((north, east), (north, -east), (-north, -east), (-north, east))
     return Polygon(tuple((HOME[0] + n, HOME[1] + e) for n, e in corners))
+
+
+def _takes(power_w: float, capacity_wh: float = 0.0) -> Drain:
+    """A UAV of which little but its hover power is known."""
+    return Drain(Battery(capacity_wh, power_w, power_w), speed_mps=8.0)
 
 
 @pytest.mark.parametrize(
@@ -71,8 +78,8 @@ def test_a_fence_that_cannot_be_read_stops_the_flight(make_case):
     ("given", "level", "words"),
     [
         ({}, AMBER, "nobody can judge"),
-        ({"hover_power_w": {"uav1": 300.0}}, GREEN, "of reserve"),
-        ({"hover_power_w": {"uav1": 900.0}}, RED, "of reserve"),
+        ({"drains": {"uav1": _takes(300.0)}}, GREEN, "of reserve"),
+        ({"drains": {"uav1": _takes(900.0)}}, RED, "of reserve"),
         ({"endurance_s": {"uav1": 600.0}}, GREEN, "flies 750 s"),
         ({"endurance_s": {"uav1": 100.0}}, RED, "flies 125 s"),
     ],
@@ -88,6 +95,14 @@ def test_without_a_figure_a_half_empty_battery_still_stops(make_case, percent):
     """Below 50 %; unknown is to be looked at."""
     (found,) = battery(make_case(now={"battery_percent": percent}))
     assert found.level == (AMBER if percent is None else RED)
+
+
+def test_a_capacity_that_the_vehicle_does_not_tell_is_the_plans(make_case):
+    """fleet.battery_wh stands in for BATT_CAPACITY; wind and cruise power count as in the plan."""
+    drain = Drain(Battery(100.0, 300.0, 600.0), speed_mps=8.0, wind_mps=4.0)
+    (found,) = battery(make_case({"BATT_CAPACITY": 0.0}, settings={"drains": {"uav1": drain}}))
+    # A hundred watt-hours at 600 W and a quarter more for the wind.
+    assert "a full one flies 480 s" in found.text
 
 
 def test_the_time_needed_has_the_way_home_in_it(make_case):

@@ -17,7 +17,9 @@ from jfto_mavlink.mission.settings import MissionSettings
 from jfto_mavlink.preflight.page import AMBER, GREEN, RED
 from jfto_mavlink.preflight.settings import GateSettings
 from jfto_mavlink.protocol.item import MISSION
+from jfto_msgs_py.records.battery import Battery
 from jfto_sim import LinkFaults, Vehicle, VehicleConfig
+from jfto_world.motion.battery import Drain
 from support.rehearsal import CLEAN, Rehearsal
 
 READY_S = 45.0
@@ -106,7 +108,8 @@ def test_wind_is_spoken_of_before_the_start(plan):
 
 def test_a_charge_that_does_not_last_for_the_way_home_stops_the_start(plan):
     """FIELD 11: by what hovering takes and what the battery holds; before arming."""
-    gate = replace(NEVER, hover_power_w={"uav1": 300.0, "uav2": 300.0})
+    hovers = Drain(Battery(0.0, 300.0, 300.0), speed_mps=8.0)
+    gate = replace(NEVER, drains=dict.fromkeys(("uav1", "uav2"), hovers))
     ground = Ground(plan, gate=gate)
     ground.orders.upload()
     battery = ground.runner.vehicles["uav2"].battery

@@ -65,6 +65,29 @@ def test_the_hash_follows_decisive_keys_only() -> None:
     assert other.scenario_hash() != hash_of
 
 
+def test_keys_that_came_later_leave_the_hash_of_older_scenarios_alone() -> None:
+    """At their defaults they do not count, for any fleet; given, they do."""
+    known = make_scenario([_layer(fleet__count=2, network__k_min=1)])
+    said = {name: KEYS[name] for name in ("fleet.battery_wh", "fleet.battery_reserve_percent")}
+    assert all(key.later for key in said.values())
+    same = _layer(fleet__count=2, network__k_min=1, fleet__battery_wh=[0.0, 0.0])
+    assert make_scenario([same]).scenario_hash() == known.scenario_hash()
+    other = _layer(fleet__count=2, network__k_min=1, fleet__hover_power_w=200.0)
+    assert make_scenario([other]).scenario_hash() != known.scenario_hash()
+
+
+def test_a_battery_gives_the_latest_arrival_where_nobody_does() -> None:
+    """0 means so; a given one stays; a battery without powers, or 0 without a battery, is wrong."""
+    battery = {"fleet__battery_wh": 90.0, "fleet__hover_power_w": 300.0}
+    assert set(make_scenario([_layer(**battery)]).fleet.t_max_s) == {0.0}
+    given = _layer(**battery, fleet__t_max_s=500.0)
+    assert set(make_scenario([given]).fleet.t_max_s) == {500.0}
+    with pytest.raises(ScenarioError, match=r"battery_wh is given without fleet.hover_power_w"):
+        make_scenario([_layer(fleet__battery_wh=90.0)])
+    with pytest.raises(ScenarioError, match=r"t_max_s is 0, which is as late as the battery"):
+        make_scenario([_layer(fleet__t_max_s=0.0)])
+
+
 def test_missions_hold_for_whole_seconds() -> None:
     """ArduCopter keeps no fractions; curves do."""
     with pytest.raises(ScenarioError, match=r"trajectory.hold_s is 1.5.*Set it to 2"):

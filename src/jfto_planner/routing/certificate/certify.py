@@ -17,6 +17,7 @@ from jfto_msgs_py.records.certificate import Certificate, Violation, WayHomeChec
 from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.types import Array, Flags
 from jfto_msgs_py.units import dbm_to_w, ratio_to_db
+from jfto_planner.routing.certificate.battery import check_battery
 from jfto_planner.routing.certificate.between import check_between
 from jfto_planner.routing.certificate.ground import GroundRule, check_ground
 from jfto_planner.routing.certificate.home import (
@@ -84,7 +85,7 @@ def certify(
     close, nearest_m = check_between(plan, flown.positions_m)
     violations += close
     lost, home = check_home(plan, home_ground)
-    violations += lost
+    violations += lost + check_battery(plan)
     margin, margin_uav, margin_slot = fine.worst_margin()
     return Certificate(
         clean=not violations,
