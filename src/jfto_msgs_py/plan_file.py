@@ -15,11 +15,13 @@ from jfto_msgs_py.errors import PlanError
 from jfto_msgs_py.files import FileKind, plain, read_text, record_of_text, write_file
 from jfto_msgs_py.records.battery import Battery
 from jfto_msgs_py.records.certificate import Certificate
-from jfto_msgs_py.records.fields import FILLED, MAY_LACK, Range, record_from
+from jfto_msgs_py.records.fields import FILLED, MAY_LACK, OneOf, Range, record_from
 from jfto_msgs_py.records.plan import (
+    LITERAL,
     PLAN_FORMAT,
     PLAN_VERSION,
     PLAN_VERSIONS_READ,
+    TOPOLOGY_FORMS,
     Origin,
     Plan,
     Route,
@@ -80,6 +82,7 @@ def plan_text(plan: Plan) -> str:
         "wind_mps": plan.wind_mps,
         "k_min": plan.k_min,
         "delta": plan.delta,
+        "topology": plan.topology,
         "d_min_m": plan.d_min_m,
         "length_max_m": plan.length_max_m,
         "time_model": plan.time_model,
@@ -179,7 +182,7 @@ class _Document:
     """The members of a plan file.
 
     Plans at constant speed, the first, had no time_parameters; those of version 1 no wind_mps, and
-    those of version 2 nothing of the site.
+    those of version 2 nothing of the site and of the form of C-TOP.
     """
 
     scenario_hash: Text
@@ -199,6 +202,7 @@ class _Document:
     certificate: Certificate | None
     time_parameters: Mapping[str, float] = field(default_factory=dict, metadata=MAY_LACK)
     wind_mps: NotNegative = field(default=0.0, metadata=MAY_LACK)
+    topology: Annotated[str, OneOf(TOPOLOGY_FORMS)] = field(default=LITERAL, metadata=MAY_LACK)
     area: tuple[Polygon, ...] = field(default=(), metadata=MAY_LACK)
     fence: Fence | None = field(default=None, metadata=MAY_LACK)
     sortie: Sortie = field(default=Sortie(), metadata=MAY_LACK)

@@ -20,7 +20,7 @@ from jfto_topology.horizon import HorizonSettings, HorizonTopology, TopologyHori
 from jfto_topology.links import SPREADS, Links
 from jfto_topology.options import TopologyOptions
 from jfto_world.motion.fleet_tracking import AHEAD_S, FleetTracking
-from jfto_world.radio import LossEstimate, make_channel, pairwise_distances
+from jfto_world.radio import LossEstimate, make_channel, noise_w, pairwise_distances
 
 # How soon to look again for a fleet that nobody hears of, at least.
 _RETRY_S = 0.1
@@ -264,6 +264,8 @@ def topology_core(
         network.k_min,
         network.delta,
         options.margin_db,
+        form=network.topology,
+        noise_w=noise_w(radio),
     )
     return TopologyCore(
         TopologySettings(

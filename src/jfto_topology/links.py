@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
+from jfto_msgs_py.records.plan import ELASTIC, LITERAL
 from jfto_msgs_py.types import Array
 from jfto_msgs_py.units import db_to_ratio
 from jfto_topology.algorithms.affordable import affordable
-from jfto_topology.algorithms.ctop import Topology, ctop, ctop_of_gain
+from jfto_topology.algorithms.ctop import Topology
+from jfto_topology.algorithms.elastic import Air, elastic_wishes, topology_of_form
 from jfto_world.radio import Channel, pairwise_distances
 
 # Standard deviations of measured losses that a margin takes in.
@@ -25,7 +28,8 @@ class Links:
     """Channel, greatest powers by UAV (W), sensitivity (W), K_min and δ.
 
     With a `margin_db`, links keep this many dB in hand through the whole slot; `loss_db` is what
-    they are believed to lose beyond the channel's loss.
+    they are believed to lose beyond the channel's loss. `form` is that of C-TOP; the elastic one
+    goes by what links carry over `noise_w`.
     """
 
     channel: Channel
@@ -35,6 +39,8 @@ class Links:
     delta: int
     margin_db: float | None = None
     loss_db: float = 0.0
+    form: str = LITERAL
+    noise_w: float = math.nan
 
     def topology(
         self,
@@ -52,23 +58,31 @@ class Links:
         """
         k_min = min(self.k_min, len(uav_ids) - 1)
         p_max_w = np.array([self.p_max_w[uav_id] for uav_id in uav_ids])
-        if self.margin_db is None:
-            rules = (self.channel, p_max_w, self.sensitivity_w, k_min, self.delta)
-            return ctop(positions_m[:-1], *rules), k_min
         energy_j = np.array([left_j.get(uav_id, np.inf) for uav_id in uav_ids])
         gain = self.channel.gain(pairwise_distances(positions_m)) * db_to_ratio(-self.loss_db)
+        air = Air(gain[:-1], p_max_w, self.sensitivity_w, self.noise_w)
+        if self.margin_db is None:
+            wishes = self._wishes(air, k_min)
+            return affordable(wishes, energy_j, slot_duration_s)[0], k_min
         gain[:, energy_j <= 0] = 0.0
         gain[:, :, energy_j <= 0] = 0.0
 
-        def wish(wanted: int, margin_db: float) -> Topology:
-            guarded = guarded_gain(gain, p_max_w, self.sensitivity_w, margin_db)
-            return ctop_of_gain(guarded, p_max_w, self.sensitivity_w, wanted, self.delta)
+        def guarded(margin_db: float) -> Air:
+            return replace(air, gain=guarded_gain(gain, p_max_w, self.sensitivity_w, margin_db))
 
-        wishes = [(k_min, self.margin_db), *((k, 0.0) for k in range(k_min, 0, -1))]
-        topology, chosen = affordable(
-            [partial(wish, *each) for each in wishes], energy_j, slot_duration_s
-        )
-        return topology, wishes[chosen[0]][0]
+        wishes = self._wishes(guarded(self.margin_db), k_min)
+        wanted = [k_min] * len(wishes)
+        for k in range(k_min, 0, -1):
+            wishes.append(partial(topology_of_form, LITERAL, guarded(0.0), k, self.delta))
+            wanted.append(k)
+        topology, chosen = affordable(wishes, energy_j, slot_duration_s)
+        return topology, wanted[chosen[0]]
+
+    def _wishes(self, air: Air, k_min: int) -> list[Callable[[], Topology]]:
+        """Topologies over the air that keep K_min, the most demanding one first."""
+        if self.form == ELASTIC:
+            return elastic_wishes(air, k_min, self.delta)
+        return [partial(topology_of_form, self.form, air, k_min, self.delta)]
 
 
 def guarded_gain(gain: Array, p_max_w: Array, sensitivity_w: float, margin_db: float) -> Array:

@@ -135,7 +135,7 @@ def test_a_plan_of_an_older_version_is_read_without_what_it_did_not_know(version
     """No site before version 3, no way home, endurance or wind in 1; it is written as version 3."""
     document = json.loads(plan_text(_plan()))
     document["version"] = version
-    for name in ("area", "fence", "sortie", *(["wind_mps"] if version == 1 else [])):
+    for name in ("area", "fence", "sortie", "topology", *(["wind_mps"] if version == 1 else [])):
         del document[name]
     for waypoint in document["waypoints"]:
         del waypoint["photo"]
@@ -144,6 +144,7 @@ def test_a_plan_of_an_older_version_is_read_without_what_it_did_not_know(version
     plan = plan_of_text(json.dumps(document), Path("old.json"))
     assert (plan.homes, plan.landed_s, plan.wind_mps) == ((), None, 0.0)
     assert (plan.area, plan.fence, plan.sortie) == ((), None, Sortie(1, 1))
+    assert plan.topology == "literal"
     assert all(waypoint.photo for waypoint in plan.waypoints)
     assert json.loads(plan_text(plan))["version"] == 3
     document["version"] = 4

@@ -1,4 +1,4 @@
-"""What the four topology algorithms make of one plan."""
+"""What the topology algorithms make of one plan."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from jfto.console.progress import SILENT, Progress
 from jfto.planning.network import Network, network_of, power_of, topology_of
-from jfto_msgs_py.records.plan import Plan
+from jfto_msgs_py.records.plan import CLOSED, ELASTIC, LITERAL, TOPOLOGY_FORMS, Plan
 from jfto_msgs_py.types import Array, Flags
 from jfto_power.allocation import Allocation
 from jfto_topology.algorithms.cpapo import cpapo
@@ -18,9 +18,10 @@ from jfto_topology.algorithms.lmst import a_lmst
 from jfto_topology.algorithms.mtp import mtp
 from jfto_topology.algorithms.powered import PoweredTopology
 from jfto_topology.metrics import average_hops, connectivity_rate, energy_used, slot_throughput
-from jfto_world.radio import degrees
+from jfto_world.radio import degrees, mutual_links
 
-OURS = "C-TOP"
+# Rows of C-TOP's forms; the paper has one row, for which each of them is a reading.
+FORM_NAMES = {form: f"C-TOP {form}" for form in TOPOLOGY_FORMS}
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,8 @@ class AlgorithmResult:
     `linked` counts every pair that hears each other at the algorithm's powers, the definition of a
     link that is the same for all algorithms; `active` only the links that both ends list, to which
     the neighbour rule applies. `power_w` is (N + 1, A), 0 where a UAV is off the air; `degree`
-    (N + 1, A) counts active links; `energy_j` (A,) is what slots 1 … N cost. `traverses_all` says
+    (N + 1, A) counts active links; `decades` is the sum of log10(1 + SNR) over linked pairs and
+    slots 1 … N; `energy_j` (A,) is what slots 1 … N cost. `traverses_all` says
     that no UAV runs out of energy before the fleet is done.
     """
 
@@ -58,17 +60,31 @@ class AlgorithmResult:
     active: LinkMetrics
     power_w: Array
     degree: NDArray[np.int64]
+    decades: float
     energy_j: Array
     traverses_all: bool
+
+    @property
+    def heard(self) -> NDArray[np.int64]:
+        """How many each UAV hears and is heard by, listed or not, (N + 1, A)."""
+        return degrees(self.linked.links)
+
+    @property
+    def spans(self) -> tuple[str, str]:
+        """Least and most neighbours, those listed and those heard."""
+        listed, heard = (f"{each.min()}–{each.max()}" for each in (self.degree, self.heard))
+        return listed, heard
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """All algorithms on one plan, in the order of the paper's tables, C-TOP last.
+    """All algorithms on one plan, in the order of the paper's tables, the forms of C-TOP last.
 
-    `gain` (N + 1, A, A) holds the linear link gains. `notes` say what C-TOP could not keep.
+    `form` is the plan's form of C-TOP. `gain` (N + 1, A, A) holds the linear link gains. `notes`
+    say what C-TOP could not keep.
     """
 
+    form: str
     results: tuple[AlgorithmResult, ...]
     gain: Array
     n_dc: int
@@ -76,28 +92,38 @@ class Comparison:
 
     @property
     def ours(self) -> AlgorithmResult:
-        """C-TOP's result."""
-        return next(result for result in self.results if result.name == OURS)
+        """C-TOP's result in the form that the plan is flown with."""
+        return next(result for result in self.results if result.name == FORM_NAMES[self.form])
+
+    @property
+    def baselines(self) -> tuple[AlgorithmResult, ...]:
+        """The results that are not C-TOP's."""
+        return tuple(one for one in self.results if one.name not in FORM_NAMES.values())
 
     @property
     def throughput_ratios(self) -> dict[str, float]:
-        """C-TOP's throughput over that of each baseline that has any."""
+        """The throughput of the plan's C-TOP over that of each baseline that has any."""
         ours = self.ours.linked.mean_throughput_mbps
         return {
             result.name: ours / result.linked.mean_throughput_mbps
-            for result in self.results
-            if result.name != OURS and result.linked.mean_throughput_mbps > 0
+            for result in self.baselines
+            if result.linked.mean_throughput_mbps > 0
         }
 
     def table(self) -> str:
         """The figures as plain text, one line per algorithm."""
-        lines = [f"{'':8} {'Mb/s':>9} {'ξ %':>7} {'hops':>6} {'neighbours':>11} {'all fly':>8}"]
+        head = ("Mb/s", "ξ %", "hops", "listed", "heard", "all fly")
+        lines = [
+            f"{'':13} {head[0]:>9} {head[1]:>7} {head[2]:>6}" + "".join(f"{h:>8}" for h in head[3:])
+        ]
         for each in self.results:
-            linked, span = each.linked, f"{each.degree.min()}–{each.degree.max()}"
+            linked = each.linked
             lines.append(
-                f"{each.name:8} {linked.mean_throughput_mbps:9.4g} "
-                f"{100 * linked.connectivity_rate:7.1f} {linked.hops:6.2f} {span:>11} "
-                f"{'yes' if each.traverses_all else 'no':>8}"
+                f"{each.name:13} {linked.mean_throughput_mbps:9.4g} "
+                f"{100 * linked.connectivity_rate:7.1f} {linked.hops:6.2f}"
+                + "".join(
+                    f"{span:>8}" for span in (*each.spans, "yes" if each.traverses_all else "no")
+                )
             )
         return "\n".join([*lines, *self.notes])
 
@@ -105,14 +131,16 @@ class Comparison:
 def compare(plan: Plan, n_dc: int, progress: Progress = SILENT) -> Comparison:
     """All algorithms on the plan's positions and budgets; raises InputError."""
     network = network_of(plan)
-    progress.begin("topology", "C-TOP")
+    rate = _Rating(plan, network, n_dc)
+    name = FORM_NAMES[plan.topology]
+    progress.begin("topology", name)
     topology = topology_of(plan, network)
     notes = _topology_notes(plan, topology)
     degree = degrees(topology.adjacency)
     progress.end(
         "topology",
         f"{plan.slots.count} slots",
-        f"degree {_span(degree.min(), degree.max())}, "
+        f"{name}, degree {_span(degree.min(), degree.max())}, "
         + ("always connected" if topology.connected.all() else "not always connected")
         + (f", δ exceeded {topology.over_degree.sum()} ×" if topology.over_degree.any() else ""),
         good=bool(topology.connected.all() and not topology.deficit.any()),
@@ -120,8 +148,7 @@ def compare(plan: Plan, n_dc: int, progress: Progress = SILENT) -> Comparison:
     progress.begin("power", "exact allocation")
     allocation, shortage = power_of(plan, network, topology)
     notes += [shortage] if shortage else []
-    rate = _Rating(plan, network, n_dc)
-    ours = _ours(rate, topology, allocation)
+    ours = _form(rate, plan.topology, topology, allocation)
     share = 100 * ours.energy_j / network.energy_j
     progress.end(
         "power",
@@ -129,9 +156,11 @@ def compare(plan: Plan, n_dc: int, progress: Progress = SILENT) -> Comparison:
         f"energy {_span(round(share.min()), round(share.max()))} % of budget",
         good=ours.traverses_all,
     )
-    progress.begin("compare", "MTP, A-LMST, CPAPO")
-    results = (*_baselines(rate), ours)
-    comparison = Comparison(results, gain=network.gain, n_dc=n_dc, notes=tuple(notes))
+    progress.begin("compare", "MTP, A-LMST, CPAPO, other forms of C-TOP")
+    results = (*_baselines(rate), *_other_forms(rate), ours)
+    comparison = Comparison(
+        plan.topology, results, gain=network.gain, n_dc=n_dc, notes=tuple(notes)
+    )
     ratios = [f"{ratio:.2f} × {name}" for name, ratio in comparison.throughput_ratios.items()]
     words = f"throughput {', '.join(ratios)}" if ratios else "no baseline has any throughput"
     progress.end("compare", f"{len(results)} algorithms", words)
@@ -150,12 +179,14 @@ class _Rating:
         self, name: str, linked: Flags, active: Flags, power_w: Array, on_air: Flags
     ) -> AlgorithmResult:
         """Links (N + 1, A, A) in both senses, powers and who is on the air (N + 1, A), rated."""
+        metrics, band_hz = self._metrics(linked, power_w, on_air), self.plan.radio.bandwidth_hz
         return AlgorithmResult(
             name=name,
-            linked=self._metrics(linked, power_w, on_air),
+            linked=metrics,
             active=self._metrics(active, power_w, on_air),
             power_w=power_w,
             degree=degrees(active),
+            decades=float(metrics.throughput_bps[1:].sum() / band_hz * np.log10(2.0)),
             energy_j=energy_used(power_w, self.plan.slots.duration_s),
             traverses_all=bool(on_air.all()),
         )
@@ -169,15 +200,29 @@ class _Rating:
         )
 
 
-def _ours(rate: _Rating, topology: Topology, allocation: Allocation) -> AlgorithmResult:
+def _form(rate: _Rating, form: str, topology: Topology, allocation: Allocation) -> AlgorithmResult:
     held = np.arange(rate.plan.slots.count + 1) <= allocation.slots_held
     on_air = np.broadcast_to(held[:, None], allocation.power_w.shape)
     weaker_w = np.minimum(allocation.power_w[:, :, None], allocation.power_w[:, None, :])
-    # The topology knows exactly which pairs hear each other; a power at a bound must not decide
-    # that anew by its last bit.
+    # The topology knows which pairs hear each other; a power at a bound must not decide that anew
+    # by its last bit. Only in the closed form powers decide.
     linked = topology.reach & (weaker_w > 0)
+    if form == CLOSED:
+        linked &= mutual_links(rate.network.gain, allocation.power_w, rate.network.sensitivity_w)
+        linked |= topology.adjacency & (weaker_w > 0)
     active = topology.adjacency & held[:, None, None]
-    return rate.result(OURS, linked, active, allocation.power_w, on_air)
+    return rate.result(FORM_NAMES[form], linked, active, allocation.power_w, on_air)
+
+
+def _other_forms(rate: _Rating) -> list[AlgorithmResult]:
+    """The forms of C-TOP that the plan is not flown with, each with its best powers."""
+    found = []
+    for form in (LITERAL, CLOSED, ELASTIC):
+        if form != rate.plan.topology:
+            topology = topology_of(rate.plan, rate.network, form)
+            allocation, _ = power_of(rate.plan, rate.network, topology)
+            found.append(_form(rate, form, topology, allocation))
+    return found
 
 
 def _baselines(rate: _Rating) -> list[AlgorithmResult]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from jfto.analysis.comparison import Comparison, LinkMetrics
-from jfto.analysis.paper import PAPER
+from jfto.analysis.paper import PAPER, paper_row
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.files import plain, write_file, write_json
 from jfto_msgs_py.records.certificate import Certificate
@@ -34,6 +34,10 @@ def comparison_object(plan: Plan, comparison: Comparison, scene: str) -> dict[st
             "degree_min": result.degree.min(),
             "degree_mean": result.degree.mean(),
             "degree_max": result.degree.max(),
+            "decades": result.decades,
+            "heard_min": result.heard.min(),
+            "heard_mean": result.heard.mean(),
+            "heard_max": result.heard.max(),
             "energy_j": result.energy_j,
             "paper": _paper(scene, result.name) if scene in PAPER else None,
         }
@@ -71,10 +75,14 @@ def comparison_csv(rows: Sequence[tuple[str, Comparison]]) -> str:
                 "traverses_all": result.traverses_all,
                 "connectivity_rate": f"{result.linked.connectivity_rate:.6f}",
                 "throughput_mbps": f"{result.linked.mean_throughput_mbps:.3f}",
+                "decades": f"{result.decades:.2f}",
                 "hops": f"{result.linked.hops:.4f}",
                 "degree_min": result.degree.min(),
                 "degree_mean": f"{result.degree.mean():.4f}",
                 "degree_max": result.degree.max(),
+                "heard_min": result.heard.min(),
+                "heard_mean": f"{result.heard.mean():.4f}",
+                "heard_max": result.heard.max(),
                 "energy_j": f"{result.energy_j.sum():.3f}",
                 **{f"paper_{name}": value for name, value in _paper(scene, result.name).items()},
             }
@@ -111,11 +119,11 @@ def _csv(rows: Sequence[Mapping[str, object]]) -> str:
 
 def _paper(scene: str, algorithm: str) -> dict[str, object]:
     """The paper's figures by our names; None where it has none."""
-    row = PAPER.get(scene, {}).get(algorithm)
+    row = paper_row(scene, algorithm)
     return {
         "traverses_all": None if row is None else row.traverses_all,
         "connectivity_rate": None if row is None else row.connectivity_rate,
-        "throughput_mbps": None if row is None else row.throughput,
+        "decades": None if row is None else row.throughput,
         "hops": None if row is None else row.hops,
     }
 

@@ -9,7 +9,7 @@ import click
 from rich.console import Console
 from rich.table import Table
 
-from jfto.analysis.comparison import OURS, Comparison
+from jfto.analysis.comparison import Comparison
 from jfto.analysis.export import certificate_object, comparison_object
 from jfto.analysis.paper import HEADINGS, active_text, beside_paper, ratios_text
 from jfto.cli.failure import EXIT_INTERRUPTED, EXIT_OTHER
@@ -69,7 +69,7 @@ def comparison_table(rows: list[tuple[str, Comparison]]) -> Table:
     table = Table(title="Ours, and in brackets the paper's figures", title_justify="left")
     table.add_column("Scene")
     table.add_column("Algorithm")
-    for heading in (*HEADINGS, "Neighbours"):
+    for heading in (*HEADINGS, "Listed", "Heard"):
         table.add_column(heading, justify="right")
     for scene, comparison in rows:
         for index, result in enumerate(comparison.results):
@@ -77,13 +77,13 @@ def comparison_table(rows: list[tuple[str, Comparison]]) -> Table:
                 f"{mine} ({theirs})" if theirs else mine
                 for mine, theirs in beside_paper(result, scene)
             ]
-            name = f"[bold]{result.name}[/bold]" if result.name == OURS else result.name
+            ours = result is comparison.ours
             table.add_row(
                 scene if index == 0 else "",
-                name,
+                f"[bold]{result.name}[/bold]" if ours else result.name,
                 *cells,
-                f"{result.degree.min()}–{result.degree.max()}",
-                end_section=result.name == OURS,
+                *result.spans,
+                end_section=ours,
             )
     return table
 
@@ -100,7 +100,9 @@ def print_comparison(rows: list[tuple[str, Comparison]]) -> None:
         if not ratios:
             console.print(f"{scene}: no algorithm has any link to compare", markup=False)
             continue
-        console.print(f"{scene}: C-TOP's throughput is {ratios}", markup=False)
+        console.print(
+            f"{scene}: the throughput of {comparison.ours.name} is {ratios}", markup=False
+        )
         console.print(f"{scene}: {active_text(comparison)}", markup=False)
         for note in comparison.notes:
             console.print(f"{scene}: {note}", markup=False)

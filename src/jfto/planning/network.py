@@ -14,8 +14,9 @@ from jfto_msgs_py.types import Array
 from jfto_msgs_py.units import dbm_to_w
 from jfto_power.allocation import Allocation, PowerProblem, allocate, allocate_prefix
 from jfto_power.shortage import EnergyShortage
-from jfto_topology.algorithms.ctop import Topology, ctop, energy_floor
-from jfto_world.radio import LogDistanceChannel, make_channel, pairwise_distances
+from jfto_topology.algorithms.ctop import Topology, energy_floor
+from jfto_topology.algorithms.elastic import Air, topology_of_form
+from jfto_world.radio import LogDistanceChannel, make_channel, noise_w, pairwise_distances
 
 EnergyFloor = Callable[[Array, float], Array]
 
@@ -52,15 +53,17 @@ def network_of(plan: Plan) -> Network:
     )
 
 
-def topology_of(plan: Plan, network: Network) -> Topology:
-    """Neighbours and power intervals of every slot by C-TOP; raises InputError."""
-    return ctop(
-        network.positions_m,
-        network.channel,
-        network.p_max_w,
-        network.sensitivity_w,
-        plan.k_min,
-        plan.delta,
+def topology_of(plan: Plan, network: Network, form: str | None = None) -> Topology:
+    """Neighbours and power intervals of every slot by a form of C-TOP, the plan's where None.
+
+    Raises InputError.
+    """
+    air = Air(network.gain, network.p_max_w, network.sensitivity_w, noise_w(plan.radio))
+    # Energy is spent from slot 1 on.
+    duration_s = np.full(plan.slots.count + 1, plan.slots.duration_s)
+    duration_s[0] = 0.0
+    return topology_of_form(
+        form or plan.topology, air, plan.k_min, plan.delta, network.energy_j, duration_s
     )
 
 

@@ -188,6 +188,7 @@ def _as_flown(
         radio=scenario.radio,
         k_min=network.k_min,
         delta=network.delta,
+        topology=network.topology,
         d_min_m=mission.d_min_m,
         length_max_m=mission.length_max_m,
         slot_count=mission.slot_count,

@@ -67,6 +67,7 @@ def scenario_values(plan: Plan) -> dict[str, Any]:
         "starts.positions_m": tuple(axis for uav in uavs for axis in uav.start_m[:2]),
         "network.k_min": plan.k_min,
         "network.delta": plan.delta,
+        "network.topology": plan.topology,
         "mission.d_min_m": plan.d_min_m,
         "mission.length_max_m": plan.length_max_m,
         "mission.slot_count": plan.slots.count,

@@ -11,17 +11,20 @@ from numpy.typing import NDArray
 
 from jfto_msgs_py.records.battery import Battery
 from jfto_msgs_py.records.certificate import Certificate
-from jfto_msgs_py.records.fields import MAY_LACK, Range
+from jfto_msgs_py.records.fields import MAY_LACK, OneOf, Range
 from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.records.site import Fence, Polygon, Sortie
 from jfto_msgs_py.records.way_home import WayHome
+
+# Forms of C-TOP: the default, Algorithm 2, and Algorithm 2 with powers up to the next candidate's.
+ELASTIC, LITERAL, CLOSED = TOPOLOGY_FORMS = ("elastic", "literal", "closed")
 
 Vector = tuple[float, float, float]
 
 PLAN_FORMAT = "jfto-plan"
 PLAN_VERSION = 3
 # Plans of version 1 say nothing of the way home, of endurance and of wind; those of version 2
-# nothing of area, fence and sortie.
+# nothing of area, fence, sortie and the form of C-TOP.
 PLAN_VERSIONS_READ = (1, 2, 3)
 
 
@@ -111,8 +114,9 @@ class Plan:
     `time_model` and `time_parameters` say how routes turn into times; under "bezier" the flight is
     `trajectories`, one record per UAV, which is empty otherwise. `homes` are the ways home, one per
     UAV, empty where none is planned. `wind_mps` is the wind that speeds leave room for below the
-    tilt limit; times are for calm air. `area` is what is to be seen, empty where it is the whole
-    rectangle of the terrain or nobody said. `certificate` is None before the check.
+    tilt limit; times are for calm air. `topology` is the form of C-TOP in flight. `area` is what is
+    to be seen, empty where it is the whole rectangle of the terrain or nobody said. `certificate`
+    is None before the check.
     """
 
     scenario_hash: str
@@ -134,6 +138,7 @@ class Plan:
     trajectories: tuple[dict[str, Any], ...] = field(default=())
     homes: tuple[WayHome, ...] = ()
     wind_mps: float = 0.0
+    topology: Annotated[str, OneOf(TOPOLOGY_FORMS)] = LITERAL
     area: tuple[Polygon, ...] = ()
     fence: Fence | None = None
     sortie: Sortie = field(default_factory=Sortie)

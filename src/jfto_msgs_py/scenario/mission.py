@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from jfto_msgs_py.records.fields import param
+from jfto_msgs_py.records.plan import ELASTIC, TOPOLOGY_FORMS
 
 
 @dataclass(frozen=True)
@@ -19,6 +20,13 @@ class NetworkPart:
         high=100,
     )
     delta: int = param(2, "Most neighbours beyond K_min, δ.", low=0, high=100)
+    topology: str = param(
+        ELASTIC,
+        "Form of C-TOP. elastic: per slot K_min to K_min + δ neighbours, those that carry most; "
+        "literal: Algorithm 2, as few as there must be; closed: the same, powers up to the next "
+        "candidate's own, who may then be heard too.",
+        choices=TOPOLOGY_FORMS,
+    )
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import numpy as np
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.plan_file import rounded_record
 from jfto_msgs_py.records.fields import record_from
-from jfto_msgs_py.records.plan import Origin, Plan, Route, Slots, Uav, Vector, Waypoint
+from jfto_msgs_py.records.plan import LITERAL, Origin, Plan, Route, Slots, Uav, Vector, Waypoint
 from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.records.site import Fence, Polygon, Sortie
 from jfto_msgs_py.types import Array
@@ -48,6 +48,7 @@ class PlanTerms:
     waypoints: tuple[Waypoint, ...]
     uavs: tuple[Uav, ...]
     wind_mps: float = 0.0
+    topology: str = LITERAL
     area: tuple[Polygon, ...] = ()
     fence: Fence | None = None
     sortie: Sortie = field(default_factory=Sortie)

@@ -13,51 +13,47 @@ from jfto_topology.algorithms.ctop import Topology
 
 
 def affordable(
-    wishes: Sequence[Callable[[], Topology]], energy_j: Array, slot_duration_s: float
+    wishes: Sequence[Callable[[], Topology]], energy_j: Array, slot_duration_s: float | Array
 ) -> tuple[Topology, NDArray[np.int64]]:
     """Slots of the most demanding wish that the least powers leave affordable, cheaper ones beside.
 
     `wishes` make topologies of the same M slots, each cheaper than the one before; they are asked
-    for one after the other and only as far as needed. `energy_j` (A,) is left for all M slots. For
-    a UAV that is short, the slots in which giving way saves it most give way. Returns the mixed
-    topology and the number of the wish that each slot has, (M,). Where even the last wish is not
-    affordable, it is the answer.
+    for one after the other and only as far as needed. `energy_j` (A,) is left for all M slots,
+    whose duration is one for all or (M,). For a UAV that is short, the slots in which giving way
+    saves it most give way. Returns the mixed topology and the number of the wish that each slot
+    has, (M,). Where even the last wish is not affordable, what gave way stays so.
     """
     best = wishes[0]()
     chosen = np.zeros(len(best.p_min_w), dtype=np.int64)
+    duration_s = np.broadcast_to(slot_duration_s, len(best.p_min_w))[:, None]
     for number, wish in enumerate(wishes[1:], 1):
-        if not _short(best, energy_j, slot_duration_s).any():
+        cost_j = best.p_min_w * duration_s
+        if not (cost_j.sum(axis=0) > energy_j).any():
             break
         cheaper = wish()
-        give_way = _slots_to_give(best, cheaper, energy_j, slot_duration_s)
+        give_way = _slots_to_give(cost_j, cheaper.p_min_w * duration_s, energy_j)
         best = mixed(best, cheaper, give_way)
         chosen[give_way] = number
     return best, chosen
 
 
-def _short(topology: Topology, energy_j: Array, slot_duration_s: float) -> NDArray[np.bool_]:
-    return topology.p_min_w.sum(axis=0) * slot_duration_s > energy_j
+def _slots_to_give(dear_j: Array, cheap_j: Array, energy_j: Array) -> NDArray[np.bool_]:
+    """Slots (M,) that must take the cheaper topology for all UAVs to pay, or all that save some.
 
-
-def _slots_to_give(
-    dear: Topology, cheap: Topology, energy_j: Array, slot_duration_s: float
-) -> NDArray[np.bool_]:
-    """Slots (M,) that must take the cheaper topology for all UAVs to pay, or all slots."""
-    give = np.zeros(len(dear.p_min_w), dtype=np.bool_)
-    saving_j = (dear.p_min_w - cheap.p_min_w) * slot_duration_s
-    cost_j = dear.p_min_w.sum(axis=0) * slot_duration_s
+    Costs of both are (M, A).
+    """
+    give = np.zeros(len(dear_j), dtype=np.bool_)
+    saving_j = dear_j - cheap_j
+    short_j = dear_j.sum(axis=0) - energy_j
     # The one that lacks most decides first; what it gives up helps the others too.
-    for uav in np.argsort(energy_j - cost_j, kind="stable"):
-        missing_j = cost_j[uav] - saving_j[give, uav].sum() - energy_j[uav]
+    for uav in np.argsort(-short_j, kind="stable"):
+        missing_j = short_j[uav] - saving_j[give, uav].sum()
         if missing_j <= 0:
             continue
         order = np.argsort(np.where(give, -np.inf, saving_j[:, uav]), kind="stable")[::-1]
-        order = order[: int((~give).sum())]
-        gained = np.cumsum(saving_j[order, uav])
-        enough = np.flatnonzero(gained >= missing_j)
-        if not enough.size:
-            return np.ones_like(give)
-        give[order[: enough[0] + 1]] = True
+        order = order[: int((~give & (saving_j[:, uav] > 0)).sum())]
+        enough = np.flatnonzero(np.cumsum(saving_j[order, uav]) >= missing_j)
+        give[order[: enough[0] + 1] if enough.size else order] = True
     return give
 
 

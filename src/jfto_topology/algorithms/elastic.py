@@ -6,16 +6,22 @@ Algorithm 2 lists as few neighbours as it must. (P0kmax) allows more, and where 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
 from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.records.plan import ELASTIC, LITERAL
 from jfto_msgs_py.types import Array
 from jfto_topology.algorithms.affordable import affordable, mixed
-from jfto_topology.algorithms.ctop import Topology, check_degree_rule, topology_of_levels
+from jfto_topology.algorithms.ctop import (
+    Topology,
+    check_degree_rule,
+    ctop_of_gain,
+    topology_of_levels,
+)
 from jfto_topology.algorithms.exchange import Costs, carried, exchanged_links
 from jfto_topology.algorithms.intervals import power_intervals, ring_powers
 from jfto_topology.algorithms.required_power import checked_caps, required_powers_of_gain
@@ -32,7 +38,11 @@ class Air:
 
 
 def ctop_elastic(
-    air: Air, k_min: int, delta: int, energy_j: Array | None = None, slot_duration_s: float = 1.0
+    air: Air,
+    k_min: int,
+    delta: int,
+    energy_j: Array | None = None,
+    slot_duration_s: float | Array = 1.0,
 ) -> Topology:
     """Per slot the topology with K_min to K_min + δ listed neighbours that carries most.
 
@@ -50,7 +60,7 @@ def ctop_elastic(
     energy_j
         Left for all M slots, (A,) in joules; None: enough.
     slot_duration_s
-        Δt in s.
+        Δt in s, one for all slots or (M,); 0 for a slot that costs nothing.
 
     Returns
     -------
@@ -62,14 +72,48 @@ def ctop_elastic(
     InputError
         For arguments that make no sense.
     """
+    wishes = elastic_wishes(air, k_min, delta)
+    uavs = len(air.p_max_w)
+    budget_j = np.full(uavs, np.inf) if energy_j is None else np.asarray(energy_j, dtype=np.float64)
+    if budget_j.shape != (uavs,) or np.isnan(budget_j).any():
+        raise InputError(f"energy_j has shape {budget_j.shape}, must be joules, ({uavs},).")
+    return affordable(wishes, budget_j, slot_duration_s)[0]
+
+
+def topology_of_form(
+    form: str,
+    air: Air,
+    k_min: int,
+    delta: int,
+    energy_j: Array | None = None,
+    slot_duration_s: float | Array = 1.0,
+) -> Topology:
+    """C-TOP in one of its forms (`TOPOLOGY_FORMS`); the elastic one alone asks for the energy.
+
+    In the closed form powers go up to the next candidate's own, who may then be heard too: `reach`
+    is what the greatest powers make. Source: Algorithm 2, (P4pmin). Raises InputError.
+    """
+    if form == ELASTIC:
+        return ctop_elastic(air, k_min, delta, energy_j, slot_duration_s)
+    literal = ctop_of_gain(air.gain, air.p_max_w, air.sensitivity_w, k_min, delta)
+    if form == LITERAL:
+        return literal
+    required_w = required_powers_of_gain(air.gain, air.p_max_w, air.sensitivity_w)
+    upper = literal.p_max_w
+    reach = required_w <= np.minimum(upper[:, :, None], upper[:, None, :])
+    return replace(literal, p_upper_w=upper, reach=reach)
+
+
+def elastic_wishes(air: Air, k_min: int, delta: int) -> list[Callable[[], Topology]]:
+    """The topology that carries most, then Algorithm 2 for K_min + δ … K_min, for `affordable`.
+
+    Raises InputError for arguments that make no sense.
+    """
     required_w = required_powers_of_gain(air.gain, air.p_max_w, air.sensitivity_w)
     uavs = required_w.shape[1]
     check_degree_rule(k_min, delta, uavs)
     if not (air.noise_w > 0 and np.isfinite(air.noise_w)):
         raise InputError(f"noise_w is {air.noise_w}, must be positive watts.")
-    budget_j = np.full(uavs, np.inf) if energy_j is None else np.asarray(energy_j, dtype=np.float64)
-    if budget_j.shape != (uavs,) or np.isnan(budget_j).any():
-        raise InputError(f"energy_j has shape {budget_j.shape}, must be joules, ({uavs},).")
     caps_w = checked_caps(air.p_max_w, uavs)
     ring_w = ring_powers(required_w)
     most = min(k_min + delta, max(uavs - 1, 0))
@@ -82,8 +126,7 @@ def ctop_elastic(
     rungs = [replace(rung, deficit=deficit) for rung in rungs]
     costs = Costs(required_w, ring_w, caps_w, np.ascontiguousarray(air.gain / air.noise_w))
     best = _exchanged(rungs, costs, k_min, k_min + delta)
-    wishes = [partial(_given, rung) for rung in (best, *rungs)]
-    return affordable(wishes, budget_j, slot_duration_s)[0]
+    return [partial(_given, rung) for rung in (best, *rungs)]
 
 
 def _given(topology: Topology) -> Topology:

@@ -19,7 +19,9 @@ def test_the_papers_figures_stand_beside_ours(tiny_run: tuple[Path, Run]) -> Non
     cells = dict(zip(HEADINGS, beside_paper(mtp, "small"), strict=True))
     assert cells["ξ (%)"] == (f"{100 * mtp.linked.connectivity_rate:.1f}", "95.0")
     assert cells["Hops"][1] == "inf"
-    assert beside_paper(mtp, "wanghai")[-1][1] == "–"
+    assert cells["Σ log10(1 + SNR)"] == (f"{mtp.decades:.0f}", "1900")
+    wanghai = dict(zip(HEADINGS, beside_paper(mtp, "wanghai"), strict=True))
+    assert wanghai["Hops"][1] == "–"
     assert {theirs for _, theirs in beside_paper(mtp, "none")} == {""}
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from jfto.analysis.comparison import FORM_NAMES
 from jfto.pipeline.directory import make_run_directory
 from jfto.pipeline.run import Run, rebuild, save_plan
 from jfto.planning.routes import plan_routes
@@ -85,12 +86,13 @@ def test_comparison_files_agree(tiny_run: tuple[Path, Run]) -> None:
     facts = json.loads((directory / "comparison.json").read_text())
     with (directory / "comparison.csv").open(newline="") as file:
         rows = {row["algorithm"]: row for row in csv.DictReader(file)}
-    assert set(rows) == {"MTP", "A-LMST", "CPAPO", "C-TOP"}
+    assert set(rows) == {"MTP", "A-LMST", "CPAPO", *FORM_NAMES.values()}
     for name, row in rows.items():
         assert float(row["throughput_mbps"]) == round(
             facts["algorithms"][name]["throughput_mbps"], 3
         )
-    assert float(rows["C-TOP"]["paper_throughput_mbps"]) == 1930.0
+    for name in FORM_NAMES.values():
+        assert float(rows[name]["paper_decades"]) == 1930.0
     assert run.comparison is not None
     slots = (directory / "slots.csv").read_text().splitlines()
     assert len(slots) == run.plan.slots.count + 2

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from jfto.analysis.comparison import FORM_NAMES
 from jfto.pipeline.run import Run
 from support.html import HtmlChecker
 
@@ -46,6 +47,6 @@ def test_the_scene_has_every_slot_of_every_algorithm(tiny_run: tuple[Path, Run])
     scene = json.loads(found.group(1).replace("<\\/", "</"))
     instants = run.plan.slots.count + 1
     assert len(scene["positions"]) == instants
-    assert set(scene["links"]) == {"MTP", "A-LMST", "CPAPO", "C-TOP"}
+    assert set(scene["links"]) == {"MTP", "A-LMST", "CPAPO", *FORM_NAMES.values()}
     assert all(len(slots) == instants for slots in scene["links"].values())
     assert [uav["id"] for uav in scene["uavs"]] == [uav.id for uav in run.plan.uavs]

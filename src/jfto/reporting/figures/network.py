@@ -46,7 +46,7 @@ def throughput_over_slots(plan: Plan, comparison: Comparison) -> Figure:
     axes.set_xlabel(f"Slot n ({plan.slots.duration_s:.2f} s each)")
     axes.set_ylabel("Network throughput (Gb/s)")
     rule(axes)
-    figure.legend(loc="outside upper center", ncols=4)
+    figure.legend(loc="outside upper center", ncols=3)
     return figure
 
 
@@ -60,7 +60,7 @@ def degree_and_energy(plan: Plan, comparison: Comparison) -> Figure:
     handles, labels = left.get_legend_handles_labels()
     budget = Line2D([], [], color="black", linewidth=1.4)
     figure.legend(
-        [*handles, budget], [*labels, "energy budget"], loc="outside upper center", ncols=5
+        [*handles, budget], [*labels, "energy budget"], loc="outside upper center", ncols=4
     )
     return figure
 

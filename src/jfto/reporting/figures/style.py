@@ -21,7 +21,9 @@ ALGORITHM_STYLES: dict[str, dict[str, Any]] = {
     "MTP": {"color": "#555555", "linestyle": (0, (5, 1.5))},
     "A-LMST": {"color": "#E69F00", "linestyle": (0, (1.5, 1.2))},
     "CPAPO": {"color": "#009E73", "linestyle": (0, (6, 1.5, 1.5, 1.5))},
-    "C-TOP": {"color": "#0072B2", "linestyle": "-"},
+    "C-TOP literal": {"color": "#56B4E9", "linestyle": (0, (5, 1.5))},
+    "C-TOP closed": {"color": "#CC79A7", "linestyle": (0, (1.5, 1.2))},
+    "C-TOP elastic": {"color": "#0072B2", "linestyle": "-"},
 }
 PLANNED_STYLE: dict[str, Any] = {"color": "#777777", "linestyle": (0, (5, 1.5)), "linewidth": 1.2}
 FLOWN_STYLE: dict[str, Any] = {"color": "#0072B2", "linestyle": "-", "linewidth": 1.4}

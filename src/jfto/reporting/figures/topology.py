@@ -24,9 +24,10 @@ def topology_panels(plan: Plan, comparison: Comparison, dem: Dem, slot: int) -> 
     """One map per algorithm with the links of slot `slot`."""
     positions = plan.positions_m[:, slot]
     extent = drawn_extent(dem, positions)
-    height = 0.93 * PAGE_WIDTH_IN * extent[1] / extent[0] + 0.9
-    figure = new_figure(PAGE_WIDTH_IN, min(height, 8.5))
-    grid = figure.subplots(2, 2, sharex=True, sharey=True)
+    rows = -(-len(comparison.results) // 2)
+    height = rows / 2 * 0.93 * PAGE_WIDTH_IN * extent[1] / extent[0] + 0.9
+    figure = new_figure(PAGE_WIDTH_IN, min(height, 9.5))
+    grid = figure.subplots(rows, 2, sharex=True, sharey=True)
     for index, (axes, result) in enumerate(zip(grid.flat, comparison.results, strict=True)):
         draw_relief(axes, dem, extent, fade=0.35)
         _draw_links(axes, positions, result, slot)
@@ -35,14 +36,14 @@ def topology_panels(plan: Plan, comparison: Comparison, dem: Dem, slot: int) -> 
         rate = f"{result.linked.throughput_bps[slot] / 1e6:,.0f}".replace(",", "\u202f")
         span = f"{degree.min()} to {degree.max()}" if np.ptp(degree) else f"{degree.min()}"
         axes.set_title(
-            f"({'abcd'[index]}) {result.name}: {span} neighbours, {rate} Mb/s",
+            f"({'abcdef'[index]}) {result.name}: {span} neighbours, {rate} Mb/s",
             loc="left",
         )
     for axes in grid[-1]:
         axes.set_xlabel("East of origin (m)")
     for axes in grid[:, 0]:
         axes.set_ylabel("North of origin (m)")
-    draw_scale_bar(grid[1, 0], positions[:, :2])
+    draw_scale_bar(grid[-1, 0], positions[:, :2])
     draw_north_arrow(grid[0, 1])
     figure.suptitle(
         f"Slot {slot} of {plan.slots.count}, {slot * plan.slots.duration_s:.0f} s after lift-off. "
