@@ -17,11 +17,9 @@ from jfto_msgs_py.records.battery import Battery
 from jfto_msgs_py.records.certificate import Certificate
 from jfto_msgs_py.records.fields import FILLED, MAY_LACK, OneOf, Range, record_from
 from jfto_msgs_py.records.plan import (
-    LITERAL,
     PLAN_FORMAT,
     PLAN_VERSION,
     PLAN_VERSIONS_READ,
-    TOPOLOGY_FORMS,
     Origin,
     Plan,
     Route,
@@ -32,6 +30,7 @@ from jfto_msgs_py.records.plan import (
 )
 from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.records.site import Fence, Polygon, Sortie
+from jfto_msgs_py.records.topology import LITERAL, TOPOLOGY_FORMS
 from jfto_msgs_py.records.way_home import WayHome
 
 PLAN = FileKind(

@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from jfto_msgs_py.records.plan import ELASTIC, LITERAL
+from jfto_msgs_py.records.topology import ELASTIC, LITERAL
 from jfto_msgs_py.types import Array
 from jfto_msgs_py.units import db_to_ratio
 from jfto_topology.algorithms.affordable import affordable

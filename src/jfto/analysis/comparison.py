@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from jfto.console.progress import SILENT, Progress
 from jfto.planning.network import Network, network_of, power_of, topology_of
-from jfto_msgs_py.records.plan import CLOSED, ELASTIC, LITERAL, TOPOLOGY_FORMS, Plan
+from jfto_msgs_py.records.plan import Plan
+from jfto_msgs_py.records.topology import CLOSED, ELASTIC, LITERAL, TOPOLOGY_FORMS
 from jfto_msgs_py.types import Array, Flags
 from jfto_power.allocation import Allocation
 from jfto_topology.algorithms.cpapo import cpapo

@@ -14,10 +14,8 @@ from jfto_msgs_py.records.certificate import Certificate
 from jfto_msgs_py.records.fields import MAY_LACK, OneOf, Range
 from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.records.site import Fence, Polygon, Sortie
+from jfto_msgs_py.records.topology import LITERAL, TOPOLOGY_FORMS
 from jfto_msgs_py.records.way_home import WayHome
-
-# Forms of C-TOP: the default, Algorithm 2, and Algorithm 2 with powers up to the next candidate's.
-ELASTIC, LITERAL, CLOSED = TOPOLOGY_FORMS = ("elastic", "literal", "closed")
 
 Vector = tuple[float, float, float]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from jfto_msgs_py.records.fields import param
-from jfto_msgs_py.records.plan import ELASTIC, TOPOLOGY_FORMS
+from jfto_msgs_py.records.topology import ELASTIC, TOPOLOGY_FORMS
 
 
 @dataclass(frozen=True)

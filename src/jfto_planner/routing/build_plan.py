@@ -10,9 +10,10 @@ import numpy as np
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.plan_file import rounded_record
 from jfto_msgs_py.records.fields import record_from
-from jfto_msgs_py.records.plan import LITERAL, Origin, Plan, Route, Slots, Uav, Vector, Waypoint
+from jfto_msgs_py.records.plan import Origin, Plan, Route, Slots, Uav, Vector, Waypoint
 from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.records.site import Fence, Polygon, Sortie
+from jfto_msgs_py.records.topology import LITERAL
 from jfto_msgs_py.types import Array
 from jfto_msgs_py.units import dbm_to_w, w_to_dbm
 from jfto_msgs_py.whole_numbers import whole_number

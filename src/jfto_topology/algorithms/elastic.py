@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.records.plan import ELASTIC, LITERAL
+from jfto_msgs_py.records.topology import ELASTIC, LITERAL
 from jfto_msgs_py.types import Array
 from jfto_topology.algorithms.affordable import affordable, mixed
 from jfto_topology.algorithms.ctop import (
