@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 from jfto_msgs_py.records.certificate import Certificate
 from jfto_msgs_py.records.plan import Plan
+
+if TYPE_CHECKING:
+    from jfto_planner.coverage import PairOverlaps
 
 ALONE = "no neighbour, fleet of one"
 
@@ -58,3 +62,14 @@ def made_for(plan: Plan) -> str:
     if plan.wind_mps > 0:
         return f"times are for calm air, speeds leave room for {plan.wind_mps:g} m/s of wind"
     return "times are for calm air, speeds leave no room for wind"
+
+
+def overlap(found: PairOverlaps) -> str:
+    """How far neighbouring photos overlap in one direction."""
+    if not found.pairs or found.worst is None:
+        return "no two photos beside one another"
+    return (
+        f"{100 * found.least:.0f} % at least (waypoints {found.worst[0]} and {found.worst[1]}), "
+        f"5th percentile {100 * found.p05:.0f} %, {found.below} of {found.pairs} pairs below "
+        f"{100 * found.wished:.0f} %"
+    )

@@ -150,6 +150,9 @@ def coverage_object(coverage: Coverage) -> dict[str, Any]:
         "incidence_p95_deg": certificate.incidence_p95_deg,
         "distance_m": coverage.distance_m,
         "footprint_m": list(coverage.footprint_m),
+        "surface_m2": certificate.surface_m2,
+        "heading_deg": coverage.heading_deg,
+        "overlaps": plain(coverage.overlaps),
         "notes": [
             {"action": note.action, "waypoint": note.waypoint_id, "reason": note.reason}
             for note in coverage.notes

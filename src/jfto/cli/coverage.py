@@ -23,6 +23,7 @@ def command(loaded: LoadedScenario, out: Path | None, as_json: bool) -> int:
     \b
     Example:  jfto coverage config/demo.yaml --set coverage.gsd_cm=5 -o waypoints.csv
     """
+    from jfto import words
     from jfto.analysis.export import check_waypoint_suffix, coverage_object, write_waypoints
     from jfto.console.stages import show_stages
     from jfto.planning.survey import judged, survey
@@ -43,6 +44,11 @@ def command(loaded: LoadedScenario, out: Path | None, as_json: bool) -> int:
     click.echo(f"Terrain     {found.dem.description}")
     if loaded.scenario.waypoints.source not in ("coverage", "file"):
         click.echo(f"Seen        {100 * found.coverage.certificate.seen_once:.1f} % of the area")
+    for name, pairs in (
+        ("σ_h", found.coverage.overlaps.across),
+        ("σ_v", found.coverage.overlaps.along),
+    ):
+        click.echo(f"Overlap {name} {words.overlap(pairs)}")
     for note in found.coverage.notes:
         if note.action != "added":
             which = "" if note.waypoint_id is None else f" waypoint {note.waypoint_id}"

@@ -173,11 +173,9 @@ def _require_flight_times(time_model: str) -> None:
 
 def _scenario_line(loaded: LoadedScenario) -> str:
     fleet, terrain = loaded.scenario.fleet, loaded.scenario.terrain
-    east, north = terrain.size_m
-    return (
-        f"Scenario    {loaded.path}   {fleet.count} UAVs, {east / 1000:g} × {north / 1000:g} km, "
-        f"{terrain.source}"
-    )
+    extent = " × ".join(f"{side / 1000:g}" for side in terrain.size_m)
+    where = f"{extent} km" if extent else loaded.scenario.area.file or "area.polygon_deg"
+    return f"Scenario    {loaded.path}   {fleet.count} UAVs, {where}, {terrain.source}"
 
 
 def _vehicles(loaded: LoadedScenario, choices: dict[str, Any]) -> Vehicles:

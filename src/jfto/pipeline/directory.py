@@ -91,14 +91,17 @@ def write_scenario(loaded: LoadedScenario, path: Path) -> str:
     Returns what was written.
     """
     scenario = loaded.scenario
-    terrain, waypoints = scenario.terrain, scenario.waypoints
+    terrain, waypoints, area = scenario.terrain, scenario.waypoints, scenario.area
     if names_a_file(terrain.source):
         terrain = dataclasses.replace(terrain, source=str(loaded.resolve(terrain.source).resolve()))
     if waypoints.file:
         waypoints = dataclasses.replace(
             waypoints, file=str(loaded.resolve(waypoints.file).resolve())
         )
-    values = dataclasses.replace(scenario, terrain=terrain, waypoints=waypoints).values()
+    if area.file:
+        area = dataclasses.replace(area, file=str(loaded.resolve(area.file).resolve()))
+    changed = dataclasses.replace(scenario, terrain=terrain, waypoints=waypoints, area=area)
+    values = changed.values()
     nested: dict[str, dict[str, Any]] = {}
     for name, value in values.items():
         part, key = name.split(".", 1)

@@ -198,7 +198,8 @@ def _as_flown(
         wind_mps=planned_wind_mps(scenario),
     )
     curves = flight.trajectories(problem, routes, scenario.fleet.ids, found.dem.height)
-    return rounded(build_plan(routes, terms, flight.name, flight.parameters, curves))
+    plan = build_plan(routes, terms, flight.name, flight.parameters, curves)
+    return rounded(replace(plan, area=found.dem.area))
 
 
 def certify_plan(

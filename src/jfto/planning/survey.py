@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from jfto.console.progress import SILENT, Progress
+from jfto.planning.area import area_of
 from jfto.planning.scenario_file import LoadedScenario
 from jfto.planning.terrain import load_ground
 from jfto_msgs_py.errors import WaypointError
@@ -17,6 +18,7 @@ from jfto_planner.coverage import (
     Camera,
     Coverage,
     CoverageSettings,
+    Overlaps,
     judge_waypoints,
     plan_coverage,
     random_waypoints,
@@ -44,6 +46,9 @@ def survey(loaded: LoadedScenario, progress: Progress = SILENT) -> Survey:
     dem = load_ground(loaded)
     for note in dem.notes:
         progress.warn(f"terrain: {note}")
+    area = area_of(loaded)
+    for note in area.notes if area else ():
+        progress.warn(f"area: {note}")
     wanted = loaded.scenario.waypoints
     if wanted.source == "coverage":
         progress.begin("coverage", "placing cameras, casting rays")
@@ -84,8 +89,8 @@ def judged(found: Survey, loaded: LoadedScenario, progress: Progress = SILENT) -
         return found
     scenario = loaded.scenario
     camera = make_camera(scenario.camera, scenario.coverage)
-    distance_m = make_settings(scenario.coverage).distance_for(camera)
-    coverage = judge_waypoints(found.waypoints, found.dem, camera, distance_m, progress.advance)
+    settings = make_settings(scenario.coverage)
+    coverage = judge_waypoints(found.waypoints, found.dem, camera, settings, progress.advance)
     return replace(found, coverage=coverage)
 
 
@@ -112,6 +117,8 @@ def make_settings(coverage: CoveragePart) -> CoverageSettings:
         gimbal_pitch_min_deg=coverage.pitch_min_deg,
         gimbal_pitch_max_deg=coverage.pitch_max_deg,
         fill_gaps=coverage.fill_gaps,
+        heading_deg=None if coverage.heading_deg < 0 else coverage.heading_deg,
+        crosshatch=coverage.crosshatch,
     )
 
 
@@ -126,4 +133,13 @@ def _proof(coverage: Coverage) -> str:
         f"{100 * certificate.seen_twice:.1f} % twice, "
         f"{100 * certificate.gsd_mean_m:.1f} cm/px ± {spread:.0f} %"
         + (f", {changed} moved or dropped" if changed else "")
+        + f", {_overlap(coverage.overlaps)}"
     )
+
+
+def _overlap(found: Overlaps) -> str:
+    """Of the overlaps, what a line has room for."""
+    pairs = found.across.pairs + found.along.pairs
+    if not pairs:
+        return "no photos beside one another"
+    return f"overlap short at {found.below} of {pairs} pairs"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from jfto.planning.area import area_of, window, with_area
 from jfto.planning.scenario_file import UNKNOWN_TERRAIN, LoadedScenario, names_a_file
 from jfto_msgs_py.errors import TerrainError
 
@@ -13,9 +14,10 @@ if TYPE_CHECKING:
 
 
 def load_ground(loaded: LoadedScenario) -> Dem:
-    """Elevation model of a scenario; raises TerrainError."""
+    """Ground and area of a scenario; raises TerrainError, and SiteError of its polygons."""
     # Loaded here: most nodes never read a raster, and one that died must soon be back.
     from jfto_world.terrain import DeclaredHeights, load_dem
+    from jfto_world.terrain.load import open_layers
 
     terrain = loaded.scenario.terrain
     source: str | Path = terrain.source
@@ -26,15 +28,22 @@ def load_ground(loaded: LoadedScenario) -> Dem:
         )
     if names_a_file(terrain.source):
         source = loaded.resolve(terrain.source)
+    declared = DeclaredHeights(terrain.vertical_unit, terrain.vertical_datum)
     center = (terrain.center_deg[0], terrain.center_deg[1]) if terrain.center_deg else None
+    area = area_of(loaded)
     try:
-        return load_dem(
+        if area is not None:
+            center, size_m = window(area, loaded, open_layers(source, declared))
+        else:
+            size_m = (terrain.size_m[0], terrain.size_m[1])
+        dem = load_dem(
             source,
             center=center,
-            size_m=(terrain.size_m[0], terrain.size_m[1]),
+            size_m=size_m,
             zero_is_void=terrain.zero_is_void,
-            declared=DeclaredHeights(terrain.vertical_unit, terrain.vertical_datum),
+            declared=declared,
         )
+        return dem if area is None else with_area(dem, area)
     except TerrainError as error:
         raise TerrainError(f"{loaded.path}: terrain: {error}") from None
 

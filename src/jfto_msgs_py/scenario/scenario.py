@@ -13,7 +13,13 @@ from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.scenario.fleet import FleetPart, StartsPart
 from jfto_msgs_py.scenario.mission import EvaluationPart, MissionPart, NetworkPart, SearchPart
 from jfto_msgs_py.scenario.simulation import SimulationPart
-from jfto_msgs_py.scenario.survey import CameraPart, CoveragePart, TerrainPart, WaypointsPart
+from jfto_msgs_py.scenario.survey import (
+    AreaPart,
+    CameraPart,
+    CoveragePart,
+    TerrainPart,
+    WaypointsPart,
+)
 from jfto_msgs_py.scenario.trajectory import TrajectoryPart
 
 
@@ -22,6 +28,7 @@ class Scenario:
     """Everything a run depends on, resolved: per-UAV arrays have one entry per UAV."""
 
     terrain: TerrainPart = field(default_factory=TerrainPart)
+    area: AreaPart = field(default_factory=AreaPart)
     waypoints: WaypointsPart = field(default_factory=WaypointsPart)
     camera: CameraPart = field(default_factory=CameraPart)
     coverage: CoveragePart = field(default_factory=CoveragePart)
@@ -55,6 +62,7 @@ class Scenario:
 
 PARTS: dict[str, type] = {
     "terrain": TerrainPart,
+    "area": AreaPart,
     "waypoints": WaypointsPart,
     "camera": CameraPart,
     "coverage": CoveragePart,

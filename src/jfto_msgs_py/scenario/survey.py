@@ -10,6 +10,36 @@ SOURCES = ("coverage", "file", "uniform", "gaussian")
 
 
 @dataclass(frozen=True)
+class AreaPart:
+    """What is to be photographed, as polygons; without, the rectangle of `terrain`."""
+
+    file: str = param(
+        "",
+        "Polygons of the area: a KML, KMZ, GeoJSON, Shapefile (also zipped), GeoPackage or "
+        "QGroundControl .plan file (its surveys), in any coordinate system, relative to the "
+        "scenario file.",
+    )
+    layer: str = param(
+        "", "Layer of area.file (a folder in KML). Left out: the only one with polygons."
+    )
+    polygon_deg: tuple[float, ...] = param(
+        (),
+        "Corners of the area instead of a file: latitude, longitude, latitude, longitude, …, "
+        "WGS-84.",
+        unit="deg",
+        low=-180.0,
+        high=360.0,
+    )
+    buffer_m: float = param(
+        0.0,
+        "How far the area is widened all around, corners rounded; below 0: narrowed.",
+        unit="m",
+        low=-1000.0,
+        high=1000.0,
+    )
+
+
+@dataclass(frozen=True)
 class TerrainPart:
     """Elevation model and the rectangle of it that is to be photographed."""
 
@@ -22,15 +52,17 @@ class TerrainPart:
     )
     center_deg: tuple[float, ...] = param(
         (),
-        "Latitude and longitude of the middle of the area, WGS-84. Left out: middle of the tile.",
+        "Latitude and longitude of the middle of the area, WGS-84, where the local frame sits. "
+        "Left out: the middle of the polygons of area, else of the tile.",
         unit="deg",
         low=-180.0,
         high=180.0,
         length=2,
     )
     size_m: tuple[float, ...] = param(
-        (2000.0, 2000.0),
-        "Extent of the area, east-west and north-south.",
+        (),
+        "Extent of the area, east-west and north-south. Left out: 2000 m × 2000 m, or with the "
+        "polygons of area as much as they need; where both are given the polygons must lie within.",
         unit="m",
         low=20.0,
         high=50_000.0,
@@ -161,3 +193,12 @@ class CoveragePart:
         20.0, "Highest gimbal pitch; 0 is the horizon.", unit="deg", low=-90.0, high=90.0
     )
     fill_gaps: bool = param(True, "Add waypoints where the regular grid leaves ground unseen.")
+    heading_deg: float = param(
+        -1.0,
+        "Direction of the grid's rows, clockwise from north. -1: along the contour lines of a "
+        "rectangle; of polygons, the one that takes the fewest waypoints.",
+        unit="deg",
+        low=-1.0,
+        high=360.0,
+    )
+    crosshatch: bool = param(False, "Lay a second grid across the first.")

@@ -14,6 +14,8 @@ from jfto_msgs_py.scenario.value import Given, check_value, nearest
 
 Layer = Mapping[str, Given]
 
+# The area where nobody gives one, east-west and north-south.
+_RECTANGLE_M = (2000.0, 2000.0)
 _ROS_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 
@@ -158,10 +160,38 @@ def _check_together(values: dict[str, Any], given: Layer, problems: list[str]) -
             "terrain.center_deg",
             f"has latitude {center[0]:g}, outside -90…90 deg. Give latitude before longitude.",
         )
+    _resolve_area(values, complain)
     _check_camera(values, complain)
     _check_photos(values, complain)
     _check_starts(values, complain)
     _check_batteries(values, given, complain)
+
+
+def _resolve_area(values: dict[str, Any], complain: Any) -> None:
+    """Check the polygon, and give a rectangle its size."""
+    polygon = _value(values, "area.polygon_deg")
+    if polygon and _value(values, "area.file"):
+        complain("area.polygon_deg", "is given beside area.file. Remove one of them.", "area.file")
+    if len(polygon) % 2 or 0 < len(polygon) < 6:
+        complain(
+            "area.polygon_deg",
+            f"has {len(polygon)} numbers, needs latitude and longitude in turn of 3 corners or "
+            "more. Add what is missing.",
+        )
+    elif any(abs(lat) > 90 for lat in polygon[::2]):
+        lat = next(lat for lat in polygon[::2] if abs(lat) > 90)
+        complain(
+            "area.polygon_deg",
+            f"has latitude {lat:g}, outside -90…90 deg. Give latitude before longitude.",
+        )
+    if not polygon and not _value(values, "area.file"):
+        for name in ("layer", "buffer_m"):
+            if _value(values, f"area.{name}"):
+                complain(f"area.{name}", "needs area.file or area.polygon_deg. Give one.")
+        if not _value(values, "terrain.size_m"):
+            values["terrain.size_m"] = _RECTANGLE_M
+    elif _value(values, "area.layer") and polygon:
+        complain("area.layer", "needs area.file. Remove it.")
 
 
 def _check_camera(values: dict[str, Any], complain: Any) -> None:

@@ -2,13 +2,10 @@
 
 from jfto_planner.coverage.camera import Camera
 from jfto_planner.coverage.certificate import CoverageCertificate, certify_coverage
+from jfto_planner.coverage.overlaps import Overlaps, PairOverlaps, measure_overlaps
+from jfto_planner.coverage.placer import CoverageNote
 from jfto_planner.coverage.places import Assumed
-from jfto_planner.coverage.plan_coverage import (
-    Coverage,
-    CoverageNote,
-    judge_waypoints,
-    plan_coverage,
-)
+from jfto_planner.coverage.plan_coverage import Coverage, judge_waypoints, plan_coverage
 from jfto_planner.coverage.random_waypoints import random_waypoints
 from jfto_planner.coverage.settings import CoverageSettings
 from jfto_planner.coverage.waypoint_file import WaypointSet, read_waypoint_set, read_waypoints
@@ -20,9 +17,12 @@ __all__ = [
     "CoverageCertificate",
     "CoverageNote",
     "CoverageSettings",
+    "Overlaps",
+    "PairOverlaps",
     "WaypointSet",
     "certify_coverage",
     "judge_waypoints",
+    "measure_overlaps",
     "plan_coverage",
     "random_waypoints",
     "read_waypoint_set",

@@ -5,7 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 
+import numpy as np
+
 from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.records.plan import Waypoint
+from jfto_msgs_py.types import Array
 
 _FULL_FRAME_MM = 36.0
 
@@ -79,3 +83,13 @@ class Camera:
     def distance_for_gsd(self, gsd_m: float) -> float:
         """Distance in metres at which the ground resolution is `gsd_m` metres per pixel."""
         return gsd_m / self.gsd_per_metre
+
+
+def view_axes(waypoint: Waypoint) -> tuple[Array, Array, Array]:
+    """Unit vectors (3,) of a photo in ENU: along its axis, to its right, to its upper edge."""
+    yaw, pitch = math.radians(waypoint.yaw_deg), math.radians(waypoint.pitch_deg)
+    look = np.array(
+        [math.sin(yaw) * math.cos(pitch), math.cos(yaw) * math.cos(pitch), math.sin(pitch)]
+    )
+    right = np.array([math.cos(yaw), -math.sin(yaw), 0.0])
+    return look, right, np.cross(right, look)

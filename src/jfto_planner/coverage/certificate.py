@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.records.plan import Waypoint
+from jfto_msgs_py.records.plan import Vector, Waypoint
 from jfto_msgs_py.types import Array, Flags
-from jfto_planner.coverage.camera import Camera
+from jfto_planner.coverage.camera import Camera, view_axes
 from jfto_world.terrain import Dem
 
 _SAMPLES_PER_SIDE = 300
@@ -29,8 +29,8 @@ class CoverageCertificate:
 
     Ground resolution (m per pixel, at a plane facing the camera) is that of the finest photo of
     each spot, and the incidence (deg, 0 is frontal) that of the most frontal one; NaN when nothing
-    is seen. `views` (ny, nx) counts photos per sample at `x_m`, `y_m`; `blind` lists the ids of
-    waypoints whose photo shows nothing of the area.
+    is seen. `views` (ny, nx) counts photos per sample at `x_m`, `y_m`, of which those `inside` are
+    of the area; `blind` lists the ids of waypoints whose photo shows nothing of the area.
     """
 
     seen_once: float
@@ -47,6 +47,7 @@ class CoverageCertificate:
     x_m: Array
     y_m: Array
     views: NDArray[np.int32]
+    inside: Flags
 
 
 def certify_coverage(
@@ -77,7 +78,8 @@ def certify_coverage(
     max_incidence_deg
         Greatest angle to the normal of the ground.
     sample_spacing_m
-        Of the grid of samples; None: 300 along the longer side.
+        Of the grid of samples; None: 300 along the longer side, up to twice as many where the area
+        fills little of its bounds.
     progress
         Called with the share done, 0 to 1.
 
@@ -91,15 +93,8 @@ def certify_coverage(
     InputError
         An argument is out of range.
     """
-    if sample_spacing_m is None:
-        sample_spacing_m = max(dem.size_m) / _SAMPLES_PER_SIDE
-    if not sample_spacing_m > 0:
-        raise InputError(f"sample_spacing_m is {sample_spacing_m}, must be positive.")
-    x, y = (_axis(side, sample_spacing_m) for side in dem.size_m)
-    shape = (len(y), len(x))
-    grid_x, grid_y = np.meshgrid(x, y)
-    ground = np.stack([grid_x, grid_y, dem.height(grid_x, grid_y)], axis=-1)
-    normal = dem.normal(grid_x, grid_y)
+    samples = _samples(dem, sample_spacing_m)
+    shape = samples.inside.shape
     depth_max = math.inf if gsd_max_m is None else camera.distance_for_gsd(gsd_max_m)
     slant_max = depth_max * math.sqrt(1 + camera.half_width**2 + camera.half_height**2)
 
@@ -107,12 +102,11 @@ def certify_coverage(
     depth = np.full(shape, np.inf)
     facing = np.zeros(shape)
     blind = []
-    for number, waypoint in enumerate(waypoints):
-        rows = _within(y, waypoint.position_m[1], slant_max)
-        columns = _within(x, waypoint.position_m[0], slant_max)
-        block = (rows, columns)
+    photos = [waypoint for waypoint in waypoints if waypoint.photo]
+    for number, waypoint in enumerate(photos):
+        block = samples.block(waypoint.position_m, slant_max)
         seen, depth_here, facing_here = _photo(
-            waypoint, dem, camera, ground[block], normal[block], max_incidence_deg, depth_max
+            waypoint, dem, camera, samples, block, max_incidence_deg, depth_max
         )
         if not seen.any():
             blind.append(waypoint.id)
@@ -120,19 +114,66 @@ def certify_coverage(
         depth[block] = np.where(seen, np.minimum(depth[block], depth_here), depth[block])
         facing[block] = np.where(seen, np.maximum(facing[block], facing_here), facing[block])
         if progress is not None:
-            progress((number + 1) / len(waypoints))
+            progress((number + 1) / len(photos))
 
-    weight = 1.0 / normal[..., 2]
+    weight = samples.weight
+    total = weight[samples.inside].sum()
     return CoverageCertificate(
-        seen_once=float(weight[views >= 1].sum() / weight.sum()),
-        seen_twice=float(weight[views >= 2].sum() / weight.sum()),
+        seen_once=float(weight[views >= 1].sum() / total),
+        seen_twice=float(weight[views >= 2].sum() / total),
         **_spread(depth * camera.gsd_per_metre, facing, weight, views >= 1),
-        surface_m2=float(weight.mean() * dem.size_m[0] * dem.size_m[1]),
+        surface_m2=samples.surface_m2(dem),
         blind=tuple(blind),
-        x_m=x,
-        y_m=y,
+        x_m=samples.x_m,
+        y_m=samples.y_m,
         views=views,
+        inside=samples.inside,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Samples:
+    """Points of the ground at `y_m` × `x_m`, of which those `inside` belong to the area."""
+
+    x_m: Array
+    y_m: Array
+    ground: Array
+    normal: Array
+    inside: Flags
+
+    @property
+    def weight(self) -> Array:
+        """How much more surface than map there is at each."""
+        return 1.0 / self.normal[..., 2]
+
+    def block(self, position_m: Vector, reach_m: float) -> tuple[slice, slice]:
+        """Rows and columns within reach of a place."""
+        return _within(self.y_m, position_m[1], reach_m), _within(self.x_m, position_m[0], reach_m)
+
+    def surface_m2(self, dem: Dem) -> float:
+        """The area's surface."""
+        box_m2 = dem.size_m[0] * dem.size_m[1]
+        return float(self.weight[self.inside].mean() * self.inside.mean() * box_m2)
+
+
+def _samples(dem: Dem, spacing_m: float | None) -> _Samples:
+    if spacing_m is None:
+        spacing_m = max(dem.size_m) / _SAMPLES_PER_SIDE
+        if dem.area:
+            filled = dem.area_shape.area / (dem.size_m[0] * dem.size_m[1])
+            spacing_m *= min(1.0, max(0.5, math.sqrt(filled)))
+    if not spacing_m > 0:
+        raise InputError(f"sample_spacing_m is {spacing_m}, must be positive.")
+    x, y = (_axis(side, spacing_m) for side in dem.size_m)
+    grid_x, grid_y = np.meshgrid(x, y)
+    inside = dem.in_area(grid_x, grid_y)
+    if not inside.any():
+        raise InputError(
+            f"The area has no sample at a spacing of {spacing_m:.3g} m. Survey its parts one by "
+            "one, or a wider area."
+        )
+    ground = np.stack([grid_x, grid_y, dem.height(grid_x, grid_y)], axis=-1)
+    return _Samples(x, y, ground, dem.normal(grid_x, grid_y), inside)
 
 
 def _axis(side_m: float, spacing_m: float) -> Array:
@@ -151,25 +192,22 @@ def _photo(
     waypoint: Waypoint,
     dem: Dem,
     camera: Camera,
-    ground: Array,
-    normal: Array,
+    samples: _Samples,
+    block: tuple[slice, slice],
     max_incidence_deg: float,
     depth_max: float,
 ) -> tuple[Flags, Array, Array]:
-    """Which ground points one photo shows, their depth along its axis and cosine of incidence."""
-    yaw, pitch = math.radians(waypoint.yaw_deg), math.radians(waypoint.pitch_deg)
-    look = np.array(
-        [math.sin(yaw) * math.cos(pitch), math.cos(yaw) * math.cos(pitch), math.sin(pitch)]
-    )
-    right = np.array([math.cos(yaw), -math.sin(yaw), 0.0])
-    up = np.cross(right, look)
+    """Which points one photo shows, their depth along its axis and cosine of incidence."""
+    look, right, up = view_axes(waypoint)
     position = np.array(waypoint.position_m)
+    ground = samples.ground[block]
     sight = ground - position
     depth = sight @ look
-    facing = -np.einsum("...k,...k->...", sight, normal)
+    facing = -np.einsum("...k,...k->...", sight, samples.normal[block])
     facing /= np.maximum(np.linalg.norm(sight, axis=-1), 1e-9)
     seen = (
-        (depth > 0)
+        samples.inside[block]
+        & (depth > 0)
         & (depth <= depth_max)
         & (np.abs(sight @ right) <= camera.half_width * depth)
         & (np.abs(sight @ up) <= camera.half_height * depth)

@@ -18,7 +18,8 @@ class CoverageSettings:
     `smoothing_m` (a Gaussian's standard deviation; None: 0.3 of the footprint's mean side). Where
     it is flatter than `level_below_deg` the camera looks straight down, with a fixed yaw, so
     that level ground is photographed in parallel. With `fill_gaps`, photos are added where the
-    regular grid leaves ground unseen, until `min_seen_once` of the area is seen.
+    regular grid leaves ground unseen, until `min_seen_once` of the area is seen. Rows of the grid
+    head `heading_deg` clockwise from north (None: the best); `crosshatch` lays a second one across.
     """
 
     overlap_h: float = 0.3
@@ -34,6 +35,8 @@ class CoverageSettings:
     fill_gaps: bool = True
     min_seen_once: float = 0.99
     max_waypoints: int = 5000
+    heading_deg: float | None = None
+    crosshatch: bool = False
 
     def __post_init__(self) -> None:
         for name in ("overlap_h", "overlap_v"):
@@ -51,12 +54,19 @@ class CoverageSettings:
                 raise InputError(f"{name} is {value}, must be 0 or more.")
         if not 0 <= self.min_seen_once <= 1:
             raise InputError(f"min_seen_once is {self.min_seen_once}, must be a share from 0 to 1.")
+        if self.heading_deg is not None and not math.isfinite(self.heading_deg):
+            raise InputError(f"heading_deg is {self.heading_deg}, must be finite.")
         low, high = self.gimbal_pitch_min_deg, self.gimbal_pitch_max_deg
         if not -90 <= low <= high <= 90:
             raise InputError(
                 f"gimbal_pitch_min_deg, _max_deg are {low}, {high}: must rise and lie "
                 "within -90 (down) to 90 (up)."
             )
+
+    @property
+    def overlaps(self) -> tuple[float, float]:
+        """σ_h and σ_v."""
+        return self.overlap_h, self.overlap_v
 
     def _check_positive(self, name: str) -> None:
         value = getattr(self, name)

@@ -30,7 +30,7 @@ def surface_lattice(
     Raises InfeasibleError beyond `max_points`.
     """
     flat_count = math.ceil(size_m[0] / spacing_m[0]) * math.ceil(size_m[1] / spacing_m[1])
-    _check_count(flat_count, max_points)
+    check_count(flat_count, max_points)
     x = _samples(size_m[0], spacing_m[0])
     y = _samples(size_m[1], spacing_m[1])
     grid_x, grid_y = np.meshgrid(x, y)
@@ -47,7 +47,7 @@ def surface_lattice(
         arc = _cumulated(steps[:, None])[:, 0]
         row_x = _cut(arc, x, math.ceil(arc[-1] / spacing_m[0] - 1e-9))
         points.append(np.stack([row_x, np.interp(row_x, x, curve_y)], axis=-1))
-        _check_count(sum(map(len, points)), max_points)
+        check_count(sum(map(len, points)), max_points)
     return np.concatenate(points)
 
 
@@ -65,14 +65,15 @@ def _cut(arc: Array, coordinate: Array, parts: int) -> Array:
     return np.interp((np.arange(parts) + 0.5) / parts * arc[-1], arc, coordinate)
 
 
-def _check_count(count: int, max_points: int) -> None:
+def check_count(count: int, max_points: int) -> None:
+    """Raise InfeasibleError where an area takes more waypoints than are allowed."""
     if count > max_points:
         raise InfeasibleError(
             f"The coverage needs more than {max_points} waypoints (at least {count}).",
             cures=(
                 "a larger coverage.distance_m or coverage.gsd_cm",
                 "smaller coverage.overlap_h and coverage.overlap_v",
-                "a smaller terrain.size_m",
+                "a smaller area (terrain.size_m, area.file)",
             ),
         )
 
@@ -83,13 +84,14 @@ def gap_centres(
     """Points (K, 2), x and y, around which most ground is unseen, the worst first, K ≤ `most`.
 
     Greedy: the square window of side `window_m` with the most unseen samples is taken, its samples
-    count as seen, and so on until at most the share `may_stay` of all is left.
+    count as seen, and so on until at most the share `may_stay` of the area's is left.
     """
     x, y = certificate.x_m, certificate.y_m
-    unseen = certificate.views == 0
+    unseen = certificate.inside & (certificate.views == 0)
+    left = may_stay * int(certificate.inside.sum())
     size = (_odd(window_m / (y[1] - y[0])), _odd(window_m / (x[1] - x[0])))
     centres: list[tuple[float, float]] = []
-    while unseen.mean() > may_stay and len(centres) < most:
+    while unseen.sum() > left and len(centres) < most:
         count = ndimage.uniform_filter(unseen.astype(np.float64), size, mode="constant")
         # The window's unseen samples may lie in a corner of it: aim at their middle.
         row, column = np.unravel_index(int(np.argmax(np.round(count, 9))), count.shape)

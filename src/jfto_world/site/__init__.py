@@ -8,6 +8,7 @@ from jfto_msgs_py.lazy import lazy_names
 from jfto_world.site.site_file import GeoPolygon, Ring, SiteFile, SiteShape
 
 if TYPE_CHECKING:
+    from jfto_world.site.area import SiteArea, polygon_area
     from jfto_world.site.local import as_shapely, local_polygons, of_shapely
     from jfto_world.site.polygon_file import SiteKeys, read_site
     from jfto_world.site.rings import ring_polygon
@@ -15,12 +16,14 @@ if TYPE_CHECKING:
 __all__ = [
     "GeoPolygon",
     "Ring",
+    "SiteArea",
     "SiteFile",
     "SiteKeys",
     "SiteShape",
     "as_shapely",
     "local_polygons",
     "of_shapely",
+    "polygon_area",
     "read_site",
     "ring_polygon",
 ]
@@ -29,10 +32,12 @@ __all__ = [
 __getattr__ = lazy_names(
     __name__,
     {
+        "SiteArea": "jfto_world.site.area",
         "SiteKeys": "jfto_world.site.polygon_file",
         "as_shapely": "jfto_world.site.local",
         "local_polygons": "jfto_world.site.local",
         "of_shapely": "jfto_world.site.local",
+        "polygon_area": "jfto_world.site.area",
         "read_site": "jfto_world.site.polygon_file",
         "ring_polygon": "jfto_world.site.rings",
     },

@@ -14,7 +14,20 @@ from jfto_world.terrain.frame import LocalFrame
 
 
 def local_polygons(polygons: Iterable[GeoPolygon], frame: LocalFrame) -> tuple[Polygon, ...]:
-    """Each polygon in ENU metres about the frame's origin, its edges straight there."""
+    """Each polygon in a local frame, its edges straight there.
+
+    Parameters
+    ----------
+    polygons
+        In degrees, as files have them.
+    frame
+        Where the local frame sits.
+
+    Returns
+    -------
+    tuple of Polygon
+        ENU metres about the frame's origin, in the same order.
+    """
 
     def ring(corners: RingDeg) -> Ring:
         lat, lon = np.array(corners).T
@@ -28,12 +41,34 @@ def local_polygons(polygons: Iterable[GeoPolygon], frame: LocalFrame) -> tuple[P
 
 
 def as_shapely(polygons: Iterable[Polygon]) -> shapely.MultiPolygon:
-    """The polygons as one geometry of shapely, not joined."""
+    """One geometry of shapely, nothing joined.
+
+    Parameters
+    ----------
+    polygons
+        In any frame.
+
+    Returns
+    -------
+    shapely.MultiPolygon
+        The same parts in the same order.
+    """
     return shapely.MultiPolygon([(one.outer, one.holes) for one in polygons])
 
 
 def of_shapely(geometry: shapely.Geometry) -> tuple[Polygon, ...]:
-    """Polygons of a polygon or several, from west to east."""
+    """Records of a geometry's parts.
+
+    Parameters
+    ----------
+    geometry
+        A polygon or several of shapely.
+
+    Returns
+    -------
+    tuple of Polygon
+        From west to east, none of them empty.
+    """
 
     def ring(line: shapely.LinearRing) -> Ring:
         return tuple((float(x), float(y)) for x, y in line.coords[:-1])

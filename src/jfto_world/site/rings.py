@@ -45,7 +45,25 @@ def geo_polygons(geometry: BaseGeometry, place: str) -> tuple[GeoPolygon, ...]:
 
 
 def ring_polygon(corners_deg: Ring, place: str) -> tuple[GeoPolygon, ...]:
-    """The polygon of one ring of latitudes and longitudes, checked like those of files."""
+    """The polygon of one ring, checked like those of files.
+
+    Parameters
+    ----------
+    corners_deg
+        Latitude and longitude of each corner.
+    place
+        What messages call it.
+
+    Returns
+    -------
+    tuple of GeoPolygon
+        One.
+
+    Raises
+    ------
+    SiteError
+        The ring crosses itself, or has fewer than 3 corners.
+    """
     different = set(corners_deg)
     if len(different) < 3:
         raise SiteError(

@@ -4,25 +4,31 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jfto_msgs_py.errors import TerrainError
 from jfto_msgs_py.records.plan import Origin
+from jfto_msgs_py.records.site import Polygon
 from jfto_msgs_py.types import Array
 from jfto_world.terrain.cubic_surface import CubicSurface, cell_ceilings, first_hit
 from jfto_world.terrain.frame import LocalFrame
+
+if TYPE_CHECKING:
+    import shapely
 
 
 @dataclass(frozen=True)
 class Dem:
     """Bicubic ground surface over the area and a margin around it.
 
-    The area is `size_m` (east-west, north-south) metres about the origin; heights are z in ENU
-    metres, 0 at the origin, whose altitude is above sea level as `height_datum` has it. Whatever
-    asks for ground beyond `half_extent_m` gets a TerrainError, never a made-up height. `notes` say
-    in a line each what was taken for granted.
+    The area is the polygons of `area`, which lie within `size_m` (east-west, north-south) metres
+    about the origin, or all of that rectangle where `area` is empty. Heights are z in ENU metres,
+    0 at the origin, whose altitude is above sea level as `height_datum` has it. Whatever asks for
+    ground beyond `half_extent_m` gets a TerrainError, never a made-up height. `notes` say in a line
+    each what was taken for granted.
     """
 
     origin: Origin
@@ -32,6 +38,29 @@ class Dem:
     height_datum: str
     description: str
     notes: tuple[str, ...] = ()
+    area: tuple[Polygon, ...] = ()
+
+    @cached_property
+    def area_shape(self) -> shapely.MultiPolygon:
+        """The area as shapely takes it, in ENU metres."""
+        # Loaded here: most who need ground know nothing of polygons.
+        import shapely
+
+        east, north = (side / 2 for side in self.size_m)
+        box = ((-east, -north), (east, -north), (east, north), (-east, north))
+        parts = [(part.outer, part.holes) for part in self.area] or [(box, ())]
+        shape = shapely.MultiPolygon(parts)
+        shapely.prepare(shape)
+        return shape
+
+    def in_area(self, x_m: ArrayLike, y_m: ArrayLike) -> NDArray[np.bool_]:
+        """Whether points of any shape lie in the area."""
+        if not self.area:
+            return (np.abs(x_m) <= self.size_m[0] / 2) & (np.abs(y_m) <= self.size_m[1] / 2)
+        import shapely
+
+        found: NDArray[np.bool_] = shapely.contains_xy(self.area_shape, x_m, y_m)
+        return found
 
     @cached_property
     def frame(self) -> LocalFrame:

@@ -30,7 +30,7 @@ from jfto_world.terrain.sample_tile import JACKSBORO, jacksboro
 from jfto_world.terrain.sea_level import altitudes_under, datum_of
 from jfto_world.terrain.tiles import open_tiles
 
-__all__ = ["DEFAULT_MARGIN_M", "DeclaredHeights", "load_dem"]
+__all__ = ["DEFAULT_MARGIN_M", "DeclaredHeights", "load_dem", "open_layers"]
 
 
 def load_dem(
@@ -73,7 +73,7 @@ def load_dem(
     TerrainError
         Names file, reason and cure.
     """
-    every = _layers(source, declared)
+    every = open_layers(source, declared)
     name = every[0].name if len(every) == 1 else str(source)
     lat_deg, lon_deg = every[0].middle() if center is None else check_center(name, center)
     check_size(size_m, margin_m)
@@ -97,7 +97,26 @@ def load_dem(
     )
 
 
-def _layers(source: str | Path, declared: DeclaredHeights) -> tuple[Layer, ...]:
+def open_layers(source: str | Path, declared: DeclaredHeights = AS_IN_FILE) -> tuple[Layer, ...]:
+    """Elevation models of a source as `load_dem` takes it, none of their heights read.
+
+    Parameters
+    ----------
+    source
+        As for `load_dem`.
+    declared
+        What a file leaves open of its heights.
+
+    Returns
+    -------
+    tuple of Layer
+        One or more.
+
+    Raises
+    ------
+    TerrainError
+        Names file, reason and cure.
+    """
     path = Path(source)
     own = "" if str(source) == JACKSBORO else "ArduPilot's terrain"
     if own and not path.is_dir() and kind_of(path, SUFFIXES) != AUTOPILOT:
