@@ -110,6 +110,7 @@ class WaypointsPart:
         low=-180.0,
         high=180.0,
         length=2,
+        later=True,
     )
     count: int = param(136, "How many are drawn (uniform, gaussian).", low=1, high=100_000)
     height_m: float = param(
