@@ -5,23 +5,16 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from jfto.analysis.comparison import Comparison, LinkMetrics
 from jfto.analysis.paper import PAPER, paper_row
-from jfto_msgs_py.errors import InputError
-from jfto_msgs_py.files import plain, write_file, write_json
+from jfto_msgs_py.files import plain
 from jfto_msgs_py.records.certificate import Certificate
 from jfto_msgs_py.records.plan import Plan
 
 if TYPE_CHECKING:
-    from jfto.planning.survey import Survey
     from jfto_planner.coverage import Coverage
-
-_WAYPOINT_SUFFIXES = (".csv", ".geojson")
 
 
 def comparison_object(plan: Plan, comparison: Comparison, scene: str) -> dict[str, Any]:
@@ -158,43 +151,3 @@ def coverage_object(coverage: Coverage) -> dict[str, Any]:
             for note in coverage.notes
         ],
     }
-
-
-def check_waypoint_suffix(path: Path) -> None:
-    """Raise InputError unless waypoints can be written in the format that the name asks for."""
-    if path.suffix.lower() not in _WAYPOINT_SUFFIXES:
-        raise InputError(f"{path}: is no known format. Name it .csv or .geojson.")
-
-
-def write_waypoints(found: Survey, path: Path) -> None:
-    """Write latitude, longitude, altitude and view of every waypoint; raises InputError."""
-    check_waypoint_suffix(path)
-    positions = np.array([waypoint.position_m for waypoint in found.waypoints]).reshape(-1, 3)
-    lat, lon, alt = found.dem.to_geodetic(positions)
-    rows: list[dict[str, Any]] = [
-        {
-            "id": waypoint.id,
-            "lat": f"{north:.8f}",
-            "lon": f"{east:.8f}",
-            "alt": f"{up:.3f}",
-            "yaw_deg": f"{waypoint.yaw_deg:.3f}",
-            "pitch_deg": f"{waypoint.pitch_deg:.3f}",
-        }
-        for waypoint, north, east, up in zip(found.waypoints, lat, lon, alt, strict=True)
-    ]
-    if path.suffix.lower() == ".csv":
-        write_file(path, _csv(rows))
-        return
-    features = [
-        {
-            "type": "Feature",
-            "geometry": {
-                "type": "Point",
-                "coordinates": [float(row[name]) for name in ("lon", "lat", "alt")],
-            },
-            "properties": {"id": row["id"]}
-            | {name: float(row[name]) for name in ("yaw_deg", "pitch_deg")},
-        }
-        for row in rows
-    ]
-    write_json(path, {"type": "FeatureCollection", "features": features})

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @click.command("coverage")
 @scenario_options(searched=False)
-@out_option("FILE", "not written; .csv or .geojson")
+@out_option("FILE", "not written; .csv, .geojson, .kml or .kmz")
 @json_option
 def command(loaded: LoadedScenario, out: Path | None, as_json: bool) -> int:
     """Place the cameras of SCENARIO, or read them, and prove by ray casting what they see.
@@ -24,12 +24,13 @@ def command(loaded: LoadedScenario, out: Path | None, as_json: bool) -> int:
     Example:  jfto coverage config/demo.yaml --set coverage.gsd_cm=5 -o waypoints.csv
     """
     from jfto import words
-    from jfto.analysis.export import check_waypoint_suffix, coverage_object, write_waypoints
+    from jfto.analysis.export import coverage_object
+    from jfto.analysis.geo_plan import format_of, write_waypoints
     from jfto.console.stages import show_stages
     from jfto.planning.survey import judged, survey
 
     if out is not None:
-        check_waypoint_suffix(out)
+        format_of(out)
     with show_stages(quiet=as_json) as progress:
         found = judged(survey(loaded, progress), loaded, progress)
     assert found.coverage is not None

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from jfto.cli.mission_files import FORMAT_KEYS, export_files
 from jfto.cli.mission_options import build, build_options
 from jfto.cli.options import (
     PATH,
@@ -18,6 +19,7 @@ from jfto.cli.options import (
 )
 from jfto.cli.quick_order import order_bridge
 from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.mission_file.write_wpml import DRONES
 from jfto_msgs_py.order_socket import VERBS
 
 if TYPE_CHECKING:
@@ -27,7 +29,6 @@ if TYPE_CHECKING:
     from jfto_mavlink.protocol.item import Mission
 
 _vehicles_option = vehicles_option(required=True)
-FORMATS = {"plan": ".plan", "waypoints": ".waypoints"}
 
 
 @click.group("mission")
@@ -41,18 +42,18 @@ def command() -> None:
 @command.command("export")
 @click.argument("plan", type=PATH)
 @click.option("-o", "--out", type=PATH, metavar="DIR", default=Path("missions"), show_default=True)
-@click.option("--format", "form", type=click.Choice(list(FORMATS)), default="plan")
+@click.option("--format", "form", type=click.Choice(FORMAT_KEYS), default="plan", show_default=True)
+@click.option(
+    "--drone", type=click.Choice(list(DRONES)), help="wpml: the type that DJI's waylines are for."
+)
 @build_options
-def export(plan: Path, out: Path, form: str, **choices: Any) -> int:
-    """Write one mission file per UAV of PLAN for QGroundControl and Mission Planner."""
-    from jfto_mavlink.files import write_mission
+def export(plan: Path, out: Path, form: str, drone: str | None, **choices: Any) -> int:
+    """Write PLAN for other programs: one file per UAV, or one for all of kml, kmz, csv, geojson.
 
-    missions = build(plan, choices)
-    out.mkdir(parents=True, exist_ok=True)
-    for uav, mission in missions.items():
-        for path in write_mission(out / f"{uav}{FORMATS[form]}", mission.mission):
-            click.echo(f"{path}   {len(mission.mission.items)} items   {mission.digest[:12]}")
-    return 0
+    plan: QGroundControl. waypoints: Mission Planner. wpml: DJI Pilot 2. litchi: Litchi. What each
+    holds and what it loses: docs/how-to/files.md.
+    """
+    return export_files(plan, out, form, drone, choices)
 
 
 @command.command("import")

@@ -6,7 +6,8 @@
 from __future__ import annotations
 
 from jfto_msgs_py.mission_file.document import FileItem, MissionDocument, MissionTextError
-from jfto_msgs_py.mission_file.formats import FORMATS, Document, read_any
+from jfto_msgs_py.mission_file.formats import FORMATS, Document, Format, read_any
+from jfto_msgs_py.mission_file.geo_plan import GeoArea, GeoPlan, GeoRoute, GeoStop
 from jfto_msgs_py.mission_file.points import Above, FilePoint, PointDocument
 from jfto_msgs_py.mission_file.read import PLAN_SUFFIX, WPL_SUFFIXES, read_document
 
@@ -18,6 +19,11 @@ __all__ = [
     "Document",
     "FileItem",
     "FilePoint",
+    "Format",
+    "GeoArea",
+    "GeoPlan",
+    "GeoRoute",
+    "GeoStop",
     "MissionDocument",
     "MissionTextError",
     "PointDocument",

@@ -10,6 +10,7 @@ from pathlib import Path
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.mission_file.csv_points import read_csv
 from jfto_msgs_py.mission_file.document import MissionDocument, MissionTextError
+from jfto_msgs_py.mission_file.geo_plan import GeoPlan
 from jfto_msgs_py.mission_file.geojson import read_geojson
 from jfto_msgs_py.mission_file.kml import read_kml
 from jfto_msgs_py.mission_file.litchi import is_litchi, read_litchi
@@ -18,6 +19,10 @@ from jfto_msgs_py.mission_file.read import PLAN_SUFFIX, WPL_SUFFIXES, read_docum
 from jfto_msgs_py.mission_file.safe_xml import LARGEST_BYTES, members, read_bytes
 from jfto_msgs_py.mission_file.table import read_table
 from jfto_msgs_py.mission_file.wpml import WAYLINES, read_waylines
+from jfto_msgs_py.mission_file.write_kml import write_kml, write_kmz
+from jfto_msgs_py.mission_file.write_litchi import write_litchi
+from jfto_msgs_py.mission_file.write_points import write_csv, write_geojson
+from jfto_msgs_py.mission_file.write_wpml import write_wpml
 from jfto_msgs_py.text_encoding import read_foreign_text
 
 Document = PointDocument | MissionDocument
@@ -25,11 +30,19 @@ Document = PointDocument | MissionDocument
 
 @dataclass(frozen=True)
 class Format:
-    """One or several formats that share their suffixes; `read` tells them apart by content."""
+    """One format: `key` names it on a command line, `suffixes` its files, the first when written.
 
+    Formats that share a suffix share `read`, which tells them apart by content. `write` is None
+    where missions are written elsewhere (`jfto_mavlink.files`); `per_uav` is whether a file holds
+    one route only.
+    """
+
+    key: str
     name: str
     suffixes: tuple[str, ...]
     read: Callable[[Path], Document]
+    write: Callable[[GeoPlan], bytes] | None = None
+    per_uav: bool = False
 
 
 def read_any(path: Path) -> Document:
@@ -112,11 +125,13 @@ def _of_text(path: Path, name: str, read: Callable[[str], Document]) -> Document
 
 
 FORMATS = (
-    Format("CSV, also Litchi's", (".csv",), _read_csv),
-    Format("GeoJSON", (".geojson", ".json"), _read_geojson),
-    Format("KML", (".kml",), _read_kml),
-    Format("KMZ, also DJI's waylines", (".kmz",), _read_kmz),
-    Format("DJI's waylines", (".wpml",), _read_wpml),
-    Format("QGroundControl's plan", (PLAN_SUFFIX,), read_document),
-    Format("Mission Planner's waypoints", WPL_SUFFIXES, read_document),
+    Format("csv", "CSV", (".csv",), _read_csv, write_csv),
+    Format("geojson", "GeoJSON", (".geojson", ".json"), _read_geojson, write_geojson),
+    Format("kml", "KML", (".kml",), _read_kml, write_kml),
+    Format("kmz", "KMZ", (".kmz",), _read_kmz, write_kmz),
+    Format("wpml", "DJI's waylines", (".kmz",), _read_kmz, write_wpml, per_uav=True),
+    Format("wpml", "DJI's waylines", (".wpml",), _read_wpml),
+    Format("litchi", "Litchi's CSV", (".csv",), _read_csv, write_litchi, per_uav=True),
+    Format("plan", "QGroundControl's plan", (PLAN_SUFFIX,), read_document, per_uav=True),
+    Format("waypoints", "Mission Planner's waypoints", WPL_SUFFIXES, read_document, per_uav=True),
 )

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
-from jfto.analysis.export import write_waypoints
+from jfto.analysis.geo_plan import geo_plan_of, write_waypoints
+from jfto.cli import main
 from jfto_mavlink.files import write_mission
 from jfto_mavlink.mission.build import build_missions
 from jfto_mavlink.mission.settings import settings_for
-from jfto_planner.coverage import read_waypoint_set, read_waypoints
+from jfto_msgs_py.mission_file import FORMATS
+from jfto_msgs_py.records.site import Fence, Polygon, Zone
+from jfto_planner.coverage import Assumed, read_waypoint_set, read_waypoints
 
 
 def assert_same(found, expected):
@@ -46,9 +51,64 @@ def test_exported_missions_are_waypoints_again(
         assert any("passed over" in note for note in found.notes)
 
 
-@pytest.mark.parametrize("suffix", [".csv", ".geojson"])
+@pytest.mark.parametrize("suffix", [".csv", ".geojson", ".kml", ".kmz"])
 def test_written_waypoints_are_read_again(tiny_survey, tmp_path, suffix):
     """The table and the points of `jfto coverage -o`."""
     path = tmp_path / f"w{suffix}"
     write_waypoints(tiny_survey, path)
     assert_same(read_waypoints(path, tiny_survey.dem), tiny_survey.waypoints)
+
+
+@pytest.mark.parametrize("key", ["csv", "geojson", "kml", "kmz", "wpml", "litchi"])
+def test_a_plan_written_for_other_programs_is_waypoints_again(
+    tiny_run, tiny_survey, tmp_path, capsys, key
+):
+    """Of all UAVs in one file, or of each in its own, in the order of its route."""
+    plan = tiny_run[1].plan
+    by_id = {waypoint.id: waypoint for waypoint in plan.waypoints}
+    given = str(tiny_run[0] / "plan.json")
+    assert main(["mission", "export", given, "-o", str(tmp_path), "--format", key]) == 0
+    told = capsys.readouterr()
+    assert ("--drone" in told.err) == (key == "wpml")
+    routes = {uav.id: r.waypoint_ids for uav, r in zip(plan.uavs, plan.routes, strict=True)}
+    if not next(form for form in FORMATS if form.key == key).per_uav:
+        routes = {"plan": [number for ids in routes.values() for number in ids]}
+    assert len(list(tmp_path.iterdir())) == len(routes)
+    for path in tmp_path.iterdir():
+        frame = tiny_survey.dem.frame
+        pad = next((u.start_m for u in plan.uavs if u.id == path.stem), plan.uavs[0].start_m)
+        lat, lon, _ = (float(value) for value in frame.to_geodetic(pad))
+        found = read_waypoints(path, tiny_survey.dem, Assumed((lat, lon)))
+        assert_same(found, [by_id[number] for number in routes[path.stem]])
+
+
+def test_area_zones_and_places_only_passed_are_written(tiny_run, tiny_survey, tmp_path):
+    """Circles as polygons around them, heights above sea level; what is passed gets no photo."""
+    plan = tiny_run[1].plan
+    ring = ((0.0, 0.0), (100.0, 0.0), (100.0, 50.0))
+    zones = (Zone("mast", centre_m=(50.0, 20.0), radius_m=30.0, top_m=90.0), Zone("wood", ring))
+    first = plan.routes[0].waypoint_ids[0]
+    passed = dataclasses.replace(
+        plan,
+        area=(Polygon(ring, (ring[:3],)),),
+        fence=Fence((Polygon(ring),), zones, 5.0),
+        waypoints=tuple(
+            dataclasses.replace(w, photo=w.id != first) if w.id == first else w
+            for w in plan.waypoints
+        ),
+    )
+    site = geo_plan_of(passed, tiny_survey.dem, "site")
+    mast, wood = site.keep_out
+    assert mast.top_m == pytest.approx(plan.origin.alt_m + 90.0, abs=0.01)
+    assert (wood.bottom_m, wood.top_m) == (None, None)
+    corners = np.array([tiny_survey.dem.to_enu(*one, plan.origin.alt_m) for one in mast.outer])
+    middles = (corners + np.roll(corners, 1, axis=0))[:, :2] / 2 - (50.0, 20.0)
+    assert np.hypot(*middles.T).min() == pytest.approx(30.0, abs=1e-3)
+    assert len(site.area[0].holes) == len(site.keep_in) == 1
+    for key in ("csv", "geojson", "kml"):
+        form = next(each for each in FORMATS if each.key == key)
+        path = tmp_path / f"w{form.suffixes[0]}"
+        path.write_bytes(form.write(site))
+        found = read_waypoint_set(path, tiny_survey.dem)
+        assert len(found.waypoints) == sum(len(r.waypoint_ids) for r in plan.routes) - 1
+        assert any("left out" in note for note in found.notes)
