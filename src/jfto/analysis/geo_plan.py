@@ -25,11 +25,8 @@ if TYPE_CHECKING:
 _CIRCLE_CORNERS = 72
 
 
-class _ToSeaLevel:
-    """From a plan's local metres to degrees and heights above sea level.
-
-    Without a terrain the plan's heights are taken to be above sea level.
-    """
+class _Globe:
+    """From a plan's local metres to degrees and heights above sea level."""
 
     def __init__(self, frame: LocalFrame, dem: Dem | None) -> None:
         self._frame, self._dem = frame, dem
@@ -37,11 +34,6 @@ class _ToSeaLevel:
     def positions(self, points_m: ArrayLike) -> list[Position]:
         """Latitude, longitude and height of points (K, 3)."""
         lat, lon, alt = self._frame.to_geodetic(np.asarray(points_m).reshape(-1, 3))
-        if self._dem is not None and self._dem.above_ellipsoid:
-            # Loaded here: it brings GDAL along.
-            from jfto_world.terrain.geoid import geoid_height
-
-            alt = alt - geoid_height(lat, lon)
         return [(float(a), float(b), float(c)) for a, b, c in zip(lat, lon, alt, strict=True)]
 
     def ring(self, ring: Ring) -> tuple[tuple[float, float], ...]:
@@ -62,7 +54,7 @@ class _ToSeaLevel:
 
 def geo_plan_of(plan: Plan, dem: Dem | None, name: str, drone: str = "") -> GeoPlan:
     """A plan as it is written into files of other programs; `dem` is its terrain where known."""
-    place = _ToSeaLevel(LocalFrame(plan.origin), dem)
+    place = _Globe(LocalFrame(plan.origin), dem)
     by_id = {waypoint.id: waypoint for waypoint in plan.waypoints}
     routes = []
     for index, (uav, route) in enumerate(zip(plan.uavs, plan.routes, strict=True)):
@@ -91,12 +83,12 @@ def geo_plan_of(plan: Plan, dem: Dem | None, name: str, drone: str = "") -> GeoP
 
 def geo_waypoints_of(found: Survey, name: str) -> GeoPlan:
     """Waypoints that nobody flies yet."""
-    place = _ToSeaLevel(found.dem.frame, found.dem)
+    place = _Globe(found.dem.frame, found.dem)
     return GeoPlan(name, (GeoRoute("", _stops(found.waypoints, place)),))
 
 
 def _stops(
-    waypoints: Sequence[Waypoint], place: _ToSeaLevel, arrival_s: Sequence[float] = ()
+    waypoints: Sequence[Waypoint], place: _Globe, arrival_s: Sequence[float] = ()
 ) -> tuple[GeoStop, ...]:
     points = np.array([waypoint.position_m for waypoint in waypoints]).reshape(-1, 3)
     times: Sequence[float | None] = arrival_s or [None] * len(waypoints)
@@ -108,7 +100,7 @@ def _stops(
     )
 
 
-def _zone(zone: Zone, place: _ToSeaLevel) -> GeoArea:
+def _zone(zone: Zone, place: _Globe) -> GeoArea:
     """A zone as a polygon; that of a circle lies outside of it."""
     corners, middle = zone.outer, zone.centre_m
     if zone.radius_m > 0:

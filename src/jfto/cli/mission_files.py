@@ -32,8 +32,7 @@ def export_files(
 
     plan = read_plan(plan_path)
     loaded = load_scenario_for(plan_path, choices["scenario"], choices["overrides"])
-    dem = known_ground(loaded)
-    whole = geo_plan_of(plan, dem, plan_path.stem, drone or "")
+    whole = geo_plan_of(plan, known_ground(loaded), plan_path.stem, drone or "")
     parts = {plan_path.stem: whole}
     if form.per_uav:
         flown = [route for route in whole.routes if route.stops]
@@ -50,10 +49,6 @@ def export_files(
             f"  {out}: written for a drone {DEFAULT_DRONE}, as none was named; others refuse it: "
             "name yours with --drone",
             err=True,
-        )
-    if dem is None and not form.per_uav:
-        click.echo(
-            f"  {out}: the terrain is unknown; heights are written as above sea level", err=True
         )
     return 0
 

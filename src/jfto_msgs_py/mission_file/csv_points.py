@@ -20,7 +20,7 @@ UNITS_M = {
 _OTHER_UNITS = ("yd", "yards", "km", "mi", "nm", "cm", "mm", "inch", "fl")
 # Names of columns of height, without their unit.
 _HEIGHTS = {
-    **dict.fromkeys(("z", "alt", "altitude", "height", "elevation", "ele"), Above.TERRAIN_DATUM),
+    **dict.fromkeys(("z", "alt", "altitude", "height", "elevation", "ele"), Above.UNSAID),
     **dict.fromkeys(
         ("amsl", "msl", "alt_amsl", "altitude_amsl", "alt_msl", "altitude_msl"), Above.SEA_LEVEL
     ),
@@ -126,7 +126,7 @@ class _Columns:
             return name, above
         above = reference(told, self._reference, row.place)
         fitting = [n for n, (own, _) in self._heights.items() if own == above]
-        open_ = [n for n, (own, _) in self._heights.items() if own == Above.TERRAIN_DATUM]
+        open_ = [n for n, (own, _) in self._heights.items() if own == Above.UNSAID]
         # A bare "alt" is what the reference speaks of; other columns name their own.
         for names in (open_, fitting):
             if len(names) == 1:

@@ -122,7 +122,7 @@ class _Reader:
             self.names.add("a fourth coordinate")
         lon_deg = number(coordinates[0], "longitude", place)
         lat_deg = number(coordinates[1], "latitude", place)
-        told, above = properties.get(_REFERENCE), Above.TERRAIN_DATUM
+        told, above = properties.get(_REFERENCE), Above.UNSAID
         if "agl_m" in properties and not told:
             above, height_m = Above.GROUND, number(properties["agl_m"], "agl_m", place)
         elif len(coordinates) > 2:

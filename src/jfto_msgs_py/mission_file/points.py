@@ -13,8 +13,8 @@ from jfto_msgs_py.mission_file.document import MissionTextError
 class Above(Enum):
     """What a height is measured from."""
 
-    # A file that says nothing: in the datum of the terrain.
-    TERRAIN_DATUM = ""
+    # A file that says nothing: sea level, or the origin of local metres.
+    UNSAID = ""
     SEA_LEVEL = "amsl"
     GROUND = "agl"
     HOME = "home"

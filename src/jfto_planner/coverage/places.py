@@ -75,7 +75,7 @@ class Places:
         if point.above in (Above.GROUND, Above.CLAMPED):
             height_m = point.height_m if point.above == Above.GROUND else self._clamp(point.place)
             return (x, y, self._ground(x, y, point.place) + height_m)
-        if point.above == Above.TERRAIN_DATUM:
+        if point.above == Above.UNSAID:
             return (x, y, point.height_m)
         raise WaypointError(
             f"{point.place}: a height above {point.above.value} needs latitude and longitude. Give "
