@@ -73,6 +73,43 @@ SCENARIOS = {
     "alias": ("network: &a {k_min: 2}\n    mission: *a", "*a", "Write the value out"),
     "no such model": ("terrain: {source: none.tif}", "none.tif", "Name a DEM file"),
     "outside the model": ("terrain: {center_deg: [46.0, 8.0]}", "jacksboro", "Move the centre"),
+    "no such area": ("area: {file: none.kml}", "area.file", "Check the path"),
+    "two areas": (
+        "area: {file: a.kml, polygon_deg: [36.62, -84.27, 36.62, -84.26, 36.63, -84.26]}",
+        "area.polygon_deg",
+        "Remove one of them",
+    ),
+    "half a corner": ("area: {polygon_deg: [36.6, -84.2, 36.7]}", "area.polygon_deg", "3 corners"),
+    "area of longitudes first": (
+        "area: {polygon_deg: [-94.27, 36.62, -94.26, 36.62, -94.26, 36.63]}",
+        "area.polygon_deg",
+        "latitude before longitude",
+    ),
+    "exchanged area": (
+        "area: {polygon_deg: [-84.27, 36.62, -84.26, 36.62, -84.26, 36.63]}",
+        "area.polygon_deg",
+        "Exchange them",
+    ),
+    "crossed area": (
+        "area: {polygon_deg: [36.62, -84.27, 36.63, -84.26, 36.62, -84.26, 36.63, -84.27]}",
+        "area.polygon_deg",
+        "crosses itself near 36.62",
+    ),
+    "buffer of nothing": ("area: {buffer_m: 20.0}", "area.buffer_m", "area.file or area.polygon"),
+    "layer of nothing": ("area: {layer: fields}", "area.layer", "area.file"),
+    "area beyond its rectangle": (
+        (
+            "area: {polygon_deg: [36.62, -84.27, 36.62, -84.26, 36.63, -84.26]}\n"
+            "    terrain: {size_m: [300.0, 300.0]}"
+        ),
+        "terrain.size_m is 300 m",
+        "Leave out terrain.size_m",
+    ),
+    "heading of a circle and more": (
+        "coverage: {heading_deg: 900.0}",
+        "coverage.heading_deg",
+        "Did you mean 90?",
+    ),
     "too large for the model": ("terrain: {size_m: [49000.0, 49000.0]}", "jacksboro", "size"),
 }
 
