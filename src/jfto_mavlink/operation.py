@@ -159,11 +159,16 @@ def mission_settings(plan: Plan, options: BridgeOptions) -> MissionSettings:
         return_height_m=options.return_height_m or None,
         gates=tuple(gate - 1 for gate in options.gates),
         start_unix_s=options.start_at_s or None,
-        limits=MissionLimits(
-            height_min_m=options.height_min_m,
-            height_max_m=options.height_max_m,
-            distance_max_m=options.distance_max_m,
-        ),
+        limits=mission_limits(options),
+    )
+
+
+def mission_limits(options: BridgeOptions) -> MissionLimits:
+    """What the parameters allow a mission to hold."""
+    return MissionLimits(
+        height_min_m=options.height_min_m,
+        height_max_m=options.height_max_m,
+        distance_max_m=options.distance_max_m,
     )
 
 

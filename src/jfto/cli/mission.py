@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from jfto.cli.mission_files import FORMAT_KEYS, export_files
-from jfto.cli.mission_options import build, build_options
+from jfto.cli.mission_link import link_fleet, link_for
+from jfto.cli.mission_options import build_all, build_options, uav_option
 from jfto.cli.options import (
     PATH,
     key_option,
-    roster_texts,
     speedup_option,
     vehicles_option,
 )
@@ -23,9 +22,6 @@ from jfto_msgs_py.mission_file.write_wpml import DRONES
 from jfto_msgs_py.order_socket import VERBS
 
 if TYPE_CHECKING:
-    from contextlib import AbstractContextManager
-
-    from jfto_mavlink.fleet.link import FleetLink
     from jfto_mavlink.protocol.item import Mission
 
 _vehicles_option = vehicles_option(required=True)
@@ -101,25 +97,34 @@ def diff(old: Path, new: Path) -> int:
 
 
 @command.command("upload")
-@click.argument("plan", type=PATH)
+@click.argument("files", type=PATH, nargs=-1, required=True, metavar="PLAN|FILE...")
+@uav_option
 @_vehicles_option
 @key_option
 @speedup_option
 @build_options
-def upload(plan: Path, **choices: Any) -> int:
+def upload(files: tuple[Path, ...], names: tuple[str, ...], **choices: Any) -> int:
     """Upload PLAN's missions to all vehicles, read back, compare; all are released or none.
+
+    Each FILE is a mission of another ground station (.plan or .waypoints) for one vehicle, with its
+    fence and rally points. It is held to the same limits, to its own fence and, with --scenario, to
+    the terrain.
 
     Parameters that they rely on are set, and what they were is kept beside PLAN: put them back
     after the flight with jfto mission restore.
+
+    \b
+    Example:  jfto mission upload plan.json --vehicles udpin:0.0.0.0:14550
+              jfto mission upload edited.plan --uav uav2 --vehicles uav2=2@udpin:0.0.0.0:14550
     """
     from jfto.console.vehicles import show_vehicles
     from jfto.supervision.graph_table import PARAMETERS_NAME
     from jfto_mavlink.fleet.fly import Fleet, deliver_to_fleet, set_parameters
     from jfto_mavlink.mission.changed import ChangedParameters
 
-    missions = build(plan, choices)
-    changed = ChangedParameters(plan.with_name(PARAMETERS_NAME))
-    with _link(choices, plan) as link, show_vehicles() as progress:
+    missions = build_all(files, names, choices)
+    changed = ChangedParameters(files[0].with_name(PARAMETERS_NAME))
+    with link_for(files[0], missions, choices) as link, show_vehicles() as progress:
         sent = {uav: mission.mission for uav, mission in missions.items()}
         outcome = deliver_to_fleet(link, sent, progress.report)
         if not outcome.failed:
@@ -153,7 +158,7 @@ def restore(record: Path, **choices: Any) -> int:
     if not changed.vehicles:
         click.echo(f"{record}: nothing is left to put back.")
         return 0
-    with _link(choices, uavs=tuple(changed.vehicles)) as link, show_vehicles() as progress:
+    with link_fleet(choices, uavs=tuple(changed.vehicles)) as link, show_vehicles() as progress:
         unknown = set(changed.vehicles) - set(link.roster.uavs)
         if unknown:
             raise RosterError(205, f"{', '.join(sorted(unknown))}: not in the roster.")
@@ -164,18 +169,19 @@ def restore(record: Path, **choices: Any) -> int:
 
 
 @command.command("verify")
-@click.argument("plan", type=PATH)
+@click.argument("files", type=PATH, nargs=-1, required=True, metavar="PLAN|FILE...")
+@uav_option
 @_vehicles_option
 @key_option
 @build_options
-def verify_command(plan: Path, **choices: Any) -> int:
-    """Compare what the vehicles hold with PLAN's missions, item by item. Status 1 if different."""
+def verify_command(files: tuple[Path, ...], names: tuple[str, ...], **choices: Any) -> int:
+    """Compare what vehicles hold with PLAN's missions or FILE, item by item; 1 if different."""
     from jfto.console.vehicles import show_vehicles
     from jfto_mavlink.mission.changed import compare_parameters
     from jfto_mavlink.mission.deliver import verify
     from jfto_mavlink.protocol.exchange import Context, Exchange
 
-    missions = build(plan, choices)
+    missions = build_all(files, names, choices)
 
     def compare(context: Context, mission: Mission) -> Exchange[tuple[str, ...]]:
         items = yield from verify(context, mission)
@@ -185,7 +191,7 @@ def verify_command(plan: Path, **choices: Any) -> int:
     def job(mission: Mission) -> Any:
         return lambda context: compare(context, mission)
 
-    with _link(choices, plan) as link, show_vehicles() as progress:
+    with link_for(files[0], missions, choices) as link, show_vehicles() as progress:
         jobs = {uav: job(mission.mission) for uav, mission in missions.items()}
         results = link.run(jobs, progress.report)
     return _show_differences(results)
@@ -210,7 +216,7 @@ def clear_command(yes: bool, **choices: Any) -> int:
             yield from clear(context, mission_type)
         return ()
 
-    with _link(choices) as link, show_vehicles() as progress:
+    with link_fleet(choices) as link, show_vehicles() as progress:
         results = link.run(dict.fromkeys(link.roster.uavs, job), progress.report)
     return _show_differences(results)
 
@@ -235,7 +241,7 @@ def sign(key_file: Path, create: bool, **choices: Any) -> int:
         yield from setup_signing(context, signer)
         return ()
 
-    with _link(choices | {"key_file": None}) as link, show_vehicles() as progress:
+    with link_fleet(choices | {"key_file": None}) as link, show_vehicles() as progress:
         results = link.run(dict.fromkeys(link.roster.uavs, job), progress.report)
     return _show_differences(results)
 
@@ -278,42 +284,13 @@ def order_command(order: str, only: tuple[str, ...], **choices: Any) -> int:
         yield from orders[order](context)
         return ()
 
-    with _link(choices, complete=False) as link, show_vehicles() as progress:
+    with link_fleet(choices, complete=False) as link, show_vehicles() as progress:
         uavs = link.roster.uavs
         unknown = set(only) - set(uavs)
         if unknown:
             raise RosterError(205, f"{', '.join(sorted(unknown))}: not in the roster.")
         results = link.run(dict.fromkeys(only or uavs, job), progress.report)
     return _show_differences(results)
-
-
-def _link(
-    choices: dict[str, Any],
-    plan_file: Path | None = None,
-    *,
-    complete: bool = True,
-    uavs: tuple[str, ...] = (),
-) -> AbstractContextManager[FleetLink]:
-    """Links to the vehicles of a command line; simulated ones stand on the pads of the plan."""
-    from jfto.flight.fleet_link import open_fleet
-    from jfto.planning.scenario_of_plan import load_scenario_for
-    from jfto.supervision.vehicles import FROM_SCENARIO, named
-    from jfto_msgs_py.plan_file import read_plan
-
-    texts: Sequence[str] = roster_texts(choices["vehicles"])
-    section: Mapping[str, object] = {}
-    if plan_file is not None and tuple(texts) == (FROM_SCENARIO,):
-        section = load_scenario_for(plan_file).node_options.get("mavlink_bridge", {})
-    texts, endpoints = named(texts, section)
-    return open_fleet(
-        texts,
-        None if plan_file is None else read_plan(plan_file),
-        speedup=choices.get("speedup", 1.0),
-        key_file=choices["key_file"],
-        complete=complete,
-        uavs=uavs,
-        endpoints=endpoints,
-    )
 
 
 def _show_differences(results: dict[str, Any]) -> int:

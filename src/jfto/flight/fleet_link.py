@@ -45,7 +45,12 @@ def open_fleet(
     if roster is None:
         if key_file is not None:
             raise RosterError(201, "simulated vehicles start without a key; leave --key out.")
-        assert plan is not None
+        if plan is None:
+            raise RosterError(
+                201,
+                "simulated vehicles stand on the pads of a plan, and there is none here. Start "
+                "them with jfto sim, and name their link.",
+            )
         with _simulated(plan, speedup) as link:
             yield link
         return

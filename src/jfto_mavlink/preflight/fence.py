@@ -81,22 +81,32 @@ def _rooms(case: Case) -> Iterator[tuple[float, str, str]]:
 
 def _figures(case: Case, figures: Fence) -> Iterator[tuple[float, str, str]]:
     """The same of the figures; a mission that brings its own is held against those."""
-    level = case.path_m[:, :2]
+    cure = "Change the fence on board, or plan within it."
     lat, lon, _ = case.mission.home_deg_m
+    for room, words in figure_rooms(figures, case.path_m[:, :2], (lat, lon)):
+        yield room, words, cure
+
+
+def figure_rooms(
+    figures: Fence, level_m: Array, home_deg: tuple[float, float]
+) -> Iterator[tuple[float, str]]:
+    """Room in m that a path (M, 2), east and north of home, leaves to each figure, in words too.
+
+    Negative is how far it gets beyond.
+    """
 
     def place(at: tuple[float, float]) -> Array:
-        return np.array(offset_m((lat, lon, 0.0), (*at, 0.0))[:2])
+        return np.array(offset_m((*home_deg, 0.0), (*at, 0.0))[:2])
 
-    cure = "Change the fence on board, or plan within it."
     for number, polygon in enumerate(figures.polygons, 1):
         corners = np.array([place(vertex) for vertex in polygon.vertices])
-        room = polygon_room_m(level, corners, inclusion=polygon.inclusion)
-        yield room, _words(f"polygon {number}", room, inclusion=polygon.inclusion), cure
+        room = polygon_room_m(level_m, corners, inclusion=polygon.inclusion)
+        yield room, _words(f"polygon {number}", room, inclusion=polygon.inclusion)
     for number, circle in enumerate(figures.circles, 1):
         room = circle_room_m(
-            level, place(circle.center), circle.radius_m, inclusion=circle.inclusion
+            level_m, place(circle.center), circle.radius_m, inclusion=circle.inclusion
         )
-        yield room, _words(f"circle {number}", room, inclusion=circle.inclusion), cure
+        yield room, _words(f"circle {number}", room, inclusion=circle.inclusion)
 
 
 def _words(name: str, room_m: float, *, inclusion: bool) -> str:

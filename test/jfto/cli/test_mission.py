@@ -177,3 +177,96 @@ def test_orders_reach_the_vehicles_named_and_no_others(vehicles, capsys):
     assert main(["mission", "order", "pause", *common, "--only", "uav1"]) == 1
     assert "only a mission can be paused" in capsys.readouterr().err
     assert main(["mission", "order", "hold", *common, "--only", "uav9"]) == 2
+
+
+def edited(plan, folder, uav="uav2", **changes):
+    """A mission as QGroundControl saves it after someone drew on it: fence, rally, a waypoint."""
+    assert main(["mission", "export", str(plan), "-o", str(folder)]) == 0
+    path = folder / f"{uav}.plan"
+    document = json.loads(path.read_text())
+    del document["jftoParameters"]
+    lat, lon, _ = document["mission"]["plannedHomePosition"]
+    for item in document["mission"]["items"]:
+        if item["command"] == 16:
+            item["params"][3] = None
+    flown = [item for item in document["mission"]["items"] if item["command"] == 16]
+    flown[1]["params"][4] += 2e-5
+    flown[1]["params"][6] += changes.get("climb_m", 5.0)
+    wide = changes.get("wide_deg", 0.02)
+    corners = [[lat + a * wide, lon + b * wide] for a, b in ((1, 1), (1, -1), (-1, -1), (-1, 1))]
+    circle = {"center": [lat + 0.03, lon], "radius": 50.0}
+    document["geoFence"] = {
+        "version": 2,
+        "polygons": [{"version": 1, "inclusion": True, "polygon": corners}],
+        "circles": [{"version": 1, "inclusion": False, "circle": circle}],
+    }
+    document["rallyPoints"] = {"version": 2, "points": [[lat, lon, 40.0]]}
+    path.write_text(json.dumps(document))
+    return path
+
+
+@pytest.mark.slow
+def test_a_mission_edited_in_qgroundcontrol_is_uploaded(plan, vehicles, tmp_path, capsys):
+    """With its fence and rally points, to the vehicle that it is for and no other, verified."""
+    server, roster = vehicles
+    path = edited(plan, tmp_path)
+    link = roster.rpartition("@")[2]
+    under = ["--scenario", str(plan.with_name("scenario.yaml"))]
+    assert main(["mission", "upload", str(path), "--vehicles", link, *under]) == 0
+    told = capsys.readouterr().out
+    assert "uav2: " in told
+    assert "5 fence, 1 rally points" in told
+    assert "fleet released: 1 vehicles" in told
+    stores = {n: station.vehicle.store for n, station in server.stations.items()}
+    assert [stores[2].count(kind) for kind in (1, 2)] == [5, 1]
+    assert stores[2].count(0) == len(read_mission(path).items)
+    assert all(stores[n].count(0) == 0 for n in (1, 3, 4))
+    assert main(["mission", "verify", str(path), "--vehicles", link, *under]) == 0
+    other = tmp_path / "other.plan"
+    other.write_bytes(path.read_bytes())
+    common = ["--vehicles", link, *under]
+    assert main(["mission", "verify", str(other), "--uav", "uav3", *common]) == 1
+    assert "differences" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"climb_m": -500.0}, "above the ground, at least 5 m is wanted"),
+        ({"climb_m": 3000.0}, "m above home is outside"),
+        ({"wide_deg": 0.0002}, "the mission breaks its own fence: it gets"),
+    ],
+)
+def test_an_edited_mission_is_held_to_what_ours_are(plan, tmp_path, capsys, changes, words):
+    """Ground, heights and its own fence, before anything is sent."""
+    path = edited(plan, tmp_path, **changes)
+    scenario = str(plan.with_name("scenario.yaml"))
+    arguments = ["--scenario", scenario, "--vehicles", "udpin:127.0.0.1:14999"]
+    assert main(["mission", "upload", str(path), *arguments]) != 0
+    told = capsys.readouterr().err
+    assert words in told
+    assert "uav2.plan" in told
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["m.plan", "--vehicles", "udpin:127.0.0.1:14999"], "--vehicles m=SYSID@udpin"),
+        (["m.plan", "--uav", "uav1", "--vehicles", "sim"], "Start them with jfto sim"),
+        (["m.plan", "m.plan", "--vehicles", "x"], "give --uav once for each file"),
+        (["m.plan", "plan.json", "--vehicles", "x"], "is no .plan or .waypoints file"),
+        (["plan.json", "--uav", "uav1", "--vehicles", "x"], "says itself whose"),
+        (["m.plan", "--set", "mavlink_bridge.height_max_m=9", "--vehicles", "x"], "--scenario"),
+        (["none.plan", "--vehicles", "x"], "no such file"),
+    ],
+)
+def test_whose_mission_a_file_is_has_to_be_clear(
+    plan, tmp_path, monkeypatch, capsys, arguments, words
+):
+    """Status 2 and what to write instead; a link alone says who is meant only of uav1, uav2 …"""
+    edited(plan, tmp_path).rename(tmp_path / "m.plan")
+    (tmp_path / "plan.json").write_bytes(plan.read_bytes())
+    monkeypatch.chdir(tmp_path)
+    capsys.readouterr()
+    assert main(["mission", "upload", *arguments]) == 2
+    assert words in capsys.readouterr().err
