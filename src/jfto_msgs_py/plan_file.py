@@ -20,6 +20,7 @@ from jfto_msgs_py.records.plan import (
     PLAN_FORMAT,
     PLAN_VERSION,
     PLAN_VERSIONS_READ,
+    Line,
     Origin,
     Plan,
     Route,
@@ -89,6 +90,8 @@ def plan_text(plan: Plan) -> str:
         "sortie": plan.sortie,
         "area": plan.area,
         "fence": plan.fence,
+        "trigger": plan.trigger,
+        "mission_items": plan.mission_items,
         "slots": {"count": slots.count, "duration_s": slots.duration_s},
         "waypoints": plan.waypoints,
         "uavs": [
@@ -139,6 +142,7 @@ def _uav_object(uav: Uav, route: Route, home: WayHome | None) -> dict[str, Any]:
         "route": route.waypoint_ids,
         "arrival_s": route.arrival_s,
         "length_m": route.length_m,
+        "lines": route.lines,
         "home": home,
     }
 
@@ -171,6 +175,7 @@ class _Uav:
     route: tuple[Count, ...]
     arrival_s: tuple[NotNegative, ...]
     length_m: NotNegative
+    lines: tuple[Line, ...] = field(default=(), metadata=MAY_LACK)
     endurance_s: NotNegative = field(default=0.0, metadata=MAY_LACK)
     battery: Battery | None = field(default=None, metadata=MAY_LACK)
     home: WayHome | None = field(default=None, metadata=MAY_LACK)
@@ -205,6 +210,8 @@ class _Document:
     area: tuple[Polygon, ...] = field(default=(), metadata=MAY_LACK)
     fence: Fence | None = field(default=None, metadata=MAY_LACK)
     sortie: Sortie = field(default=Sortie(), metadata=MAY_LACK)
+    trigger: Text = field(default="each", metadata=MAY_LACK)
+    mission_items: Annotated[int, Range(1)] = field(default=650, metadata=MAY_LACK)
 
 
 def plan_of_text(text: str, path: Path) -> Plan:
@@ -288,6 +295,14 @@ def _route_faults(where: str, uav: _Uav, known: set[int]) -> Iterator[str]:
         )
     if any(later < earlier for earlier, later in itertools.pairwise(times)):
         yield f"{where}.arrival_s runs backwards. Times must not decrease."
+    end = -1
+    for index, line in enumerate(uav.lines):
+        if not end < line.first < line.last < len(uav.route):
+            yield (
+                f"{where}.lines[{index}] is {line.first} to {line.last}, must come after the line "
+                f"before it and end on the route. {PLAN.cure}"
+            )
+        end = line.last
 
 
 def _home_faults(where: str, home: WayHome) -> Iterator[str]:

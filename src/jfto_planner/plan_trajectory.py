@@ -9,6 +9,7 @@ from jfto_msgs_py.records.vehicle import TimedPath, TimedTrajectory
 from jfto_msgs_py.types import Array, Ints
 from jfto_planner.smoothing.trajectory import Trajectory
 from jfto_world.motion import ConstantSpeed, MotionLimits, time_model_named
+from jfto_world.motion.lines import along
 
 # Between waypoints, where a UAV does not fly straight at constant speed.
 SAMPLE_S = 0.5
@@ -68,7 +69,8 @@ def _straight(plan: Plan, index: int) -> tuple[Ints, tuple[Array, Array, Array]]
         times = np.concatenate([arrival_s, np.arange(0.0, arrival_s[-1], SAMPLE_S)])
         offsets_ns = np.unique(_nanoseconds(times))
         limits = MotionLimits(uav.speed_mps, uav.climb_mps, uav.descent_mps)
-        position = model.positions(line, limits, offsets_ns / 1e9)
+        flight = along(model, route.lines)
+        position = flight.positions(line, limits, offsets_ns / 1e9)
     velocity = np.zeros_like(position)
     velocity[:-1] = np.diff(position, axis=0) / (np.diff(offsets_ns) / 1e9)[:, None]
     return offsets_ns, (position, velocity, np.zeros_like(position))

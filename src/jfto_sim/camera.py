@@ -18,6 +18,9 @@ class Camera:
     _count: int = 0
     _spacing_m: float = 0.0
     _last_m: tuple[float, float, float] | None = None
+    _interval_s: float = 0.0
+    _left: int = 0
+    _last_s: float = -math.inf
 
     def __post_init__(self) -> None:
         self._present = self.flight.params["CAM1_TYPE"] != 0
@@ -35,13 +38,21 @@ class Camera:
         if at_once and spacing_m > 0:
             self.shoot()
 
+    def series(self, interval_s: float, count: int) -> None:
+        """So many pictures (-1: without end) with more than an interval between any two."""
+        self._interval_s, self._left = interval_s, count
+
     def step(self) -> None:
-        """Trigger by distance."""
+        """Trigger by time or, without that, by distance."""
+        if self._left:
+            if self.flight.clock.time_s - self._last_s > self._interval_s:
+                self._left -= self._left > 0
+                self.shoot()
+            return
         if self._spacing_m <= 0 or self._last_m is None:
             return
         here = self.flight.body.position_m
         if math.dist(here[:2], self._last_m[:2]) >= self._spacing_m:
-            self._last_m = here
             self.shoot()
 
     def shoot(self) -> None:
@@ -50,6 +61,7 @@ class Camera:
             return
         self._count += 1
         body, position = self.flight.body, self.flight.position
+        self._last_m, self._last_s = body.position_m, self.flight.clock.time_s
         lat, lon, alt_m = position.reported()
         roll, pitch = body.attitude_deg
         self.flight.ports.broadcast(

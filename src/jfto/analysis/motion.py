@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from functools import partial
 
 import numpy as np
 from scipy.signal import savgol_filter
@@ -12,10 +12,8 @@ from jfto_msgs_py.errors import InfeasibleError
 from jfto_msgs_py.records.plan import Plan, Uav
 from jfto_msgs_py.types import Array
 from jfto_planner.smoothing import Trajectory
-from jfto_world.motion import MotionLimits, time_model_named
-
-if TYPE_CHECKING:
-    from jfto_world.motion.arducopter import ArduCopter
+from jfto_world.motion import MotionLimits, TimeModel, time_model_named
+from jfto_world.motion.lines import along
 
 STEP_S = 0.05
 # A vehicle's positions are differentiated over this window, as its own filters would smooth them.
@@ -55,7 +53,7 @@ def _one(plan: Plan, index: int, uav: Uav) -> Motion:
             _size(motion.jerk_mps3),
         )
     line, limits = plan.line_m(index), _limits(uav)
-    model = time_model_named(plan.time_model, plan.time_parameters)
+    model = along(time_model_named(plan.time_model, plan.time_parameters), plan.routes[index].lines)
     # At rest before and after, so that the window has something to look at there.
     rest = np.arange(1, _WINDOW + 1) * STEP_S
     longer = np.concatenate([-rest[::-1], times, times[-1] + rest])
@@ -112,8 +110,9 @@ def flight_spread(plan: Plan, wind_mps: float) -> tuple[Spread, ...]:
             continue
         line, limits = plan.line_m(index), _limits(uav)
         planned = np.array(route.arrival_s)
-        planner = _late(replace(model, closed_loop=False), line, limits, planned)
-        blown = np.concatenate([_late(wind, line, limits, planned) for wind in winds])
+        late = partial(_late, line=line, limits=limits, planned=planned)
+        planner = late(along(replace(model, closed_loop=False), route.lines))
+        blown = np.concatenate([late(along(wind, route.lines)) for wind in winds])
         found.append(Spread(uav.id, float(planned[-1]), _range(planner), _range(blown)))
     return tuple(found)
 
@@ -136,7 +135,7 @@ def spread_text(spread: tuple[Spread, ...], wind_mps: float) -> str:
     )
 
 
-def _late(model: ArduCopter, line: Array, limits: MotionLimits, planned: Array) -> Array:
+def _late(model: TimeModel, line: Array, limits: MotionLimits, planned: Array) -> Array:
     try:
         return np.asarray(model.arrivals(line, limits)[1:] - planned)
     except InfeasibleError:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
@@ -24,6 +25,7 @@ from jfto_planner.smoothing import (
     kept_apart,
     smooth_fleet,
 )
+from jfto_world.mission.steps import mission_items
 from jfto_world.motion import TimeModel, time_model_named
 from jfto_world.motion.battery import airborne, drain_of
 from jfto_world.radio import degrees, pairwise_distances
@@ -155,9 +157,25 @@ def tightened(problem: RoutingProblem, plan: Plan) -> RoutingProblem:
         changes["d_min_m"] = min(
             problem.d_min_m + missing + SPARE_M, least_distance_m(problem.starts_m)
         )
+    if "items" in broken:
+        changes["most_waypoints"] = _fewer(plan, problem)
     if "energy" in broken and problem.energy_j is not None:
         changes["energy_j"] = problem.energy_j * LESS_ENERGY
     return replace(problem, **changes)  # type: ignore[arg-type]
+
+
+def _fewer(plan: Plan, problem: RoutingProblem) -> Array:
+    """How many waypoints each UAV (A,) may have, less what made its mission too long."""
+    most = np.full(len(plan.uavs), float(len(plan.waypoints)))
+    if problem.most_waypoints is not None:
+        most = problem.most_waypoints.copy()
+    for a, route in enumerate(plan.routes):
+        items = mission_items(plan, a)
+        if items > plan.mission_items:
+            each = items / len(route.waypoint_ids)
+            over = math.ceil((items - plan.mission_items) / each)
+            most[a] = max(min(most[a], len(route.waypoint_ids)) - over, 1.0)
+    return most
 
 
 def _too_long_s(plan: Plan, problem: RoutingProblem) -> Array:

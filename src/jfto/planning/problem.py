@@ -18,6 +18,7 @@ from jfto_planner.home import HomeRules
 from jfto_planner.low_legs import low_legs
 from jfto_planner.routing import RoutingProblem
 from jfto_planner.routing.certificate import GroundRule
+from jfto_planner.routing.certificate.mission_size import photo_capacity
 from jfto_planner.starts import check_starts, choose_starts, place_pads
 from jfto_world.motion import MotionLimits
 from jfto_world.radio import make_channel
@@ -57,6 +58,9 @@ def routing_problem(scenario: Scenario, found: Survey) -> RoutingProblem:
         energy_floor=energy_floor_of(radio, fleet.p_max_dbm, network.k_min, network.delta),
         path_loss_exponent=channel.exponent,
         closed_legs=_closed_legs(scenario, found, waypoints, pads),
+        most_waypoints=np.array(
+            [photo_capacity(found.waypoints, fleet.count, fleet.mission_items)], dtype=np.float64
+        ),
     )
 
 

@@ -92,7 +92,8 @@ def plan_routes(
     progress.begin("routes", "choosing starting points")
     for note in speed_notes(scenario):
         progress.warn(note)
-    require_missions_to_hold(len(found.waypoints), scenario.fleet.count)
+    fleet, trigger = scenario.fleet, scenario.coverage.trigger
+    require_missions_to_hold(found.waypoints, fleet.count, fleet.mission_items, trigger)
     flight = flight_of(scenario)
     if flight.estimated:
         # A flight in steps may come out a step later for a point a nanometre off.
@@ -132,6 +133,8 @@ def plan_routes(
             break
         problem, warm = tightened(problem, plan), result.routes
     assert best is not None
+    if note := trigger_note(best.plan):
+        progress.warn(note)
     good = best.plan.clean
     progress.end("routes", f"{best.plan.total_length_m / 1000:.2f} km", _proof(best), good=good)
     progress.end("way home", f"{best.plan.landed_s or 0.0:.0f} s", _homeward(best.plan), good=good)
@@ -141,8 +144,10 @@ def plan_routes(
 def _known(flight: Flight, plan: Plan) -> bool:
     assert plan.certificate is not None
     kinds = {violation.kind for violation in plan.certificate.violations}
-    # A search for other routes knows nothing of the ways home from them, nor of missions.
-    return kinds <= {"home", "items"} or (
+    if "items" in kinds:
+        return False
+    # A search for other routes knows nothing of the ways home from them.
+    return kinds <= {"home"} or (
         flight.exact
         and (not flight.estimated or not (kinds <= BATTERY_KINDS or kinds == {"separation"}))
     )
@@ -196,10 +201,27 @@ def _as_flown(
         waypoints=found.waypoints,
         uavs=plan_uavs(scenario, found, problem.starts_m),
         wind_mps=planned_wind_mps(scenario),
+        trigger=scenario.coverage.trigger,
+        mission_items=scenario.fleet.mission_items,
     )
     curves = flight.trajectories(problem, routes, scenario.fleet.ids, found.dem.height)
     plan = build_plan(routes, terms, flight.name, flight.parameters, curves)
     return rounded(replace(plan, area=found.dem.area))
+
+
+def trigger_note(plan: Plan) -> str:
+    """How many photographs are not on lines where lines were asked for; empty if none."""
+    if plan.trigger == "each":
+        return ""
+    photos = sum(waypoint.photo for waypoint in plan.waypoints)
+    on_lines = sum(line.last - line.first + 1 for route in plan.routes for line in route.lines)
+    if on_lines == photos:
+        return ""
+    return (
+        f"coverage.trigger {plan.trigger}: {on_lines} of {photos} photographs lie on straight "
+        f"lines of equal spacing, heading and pitch; the other {photos - on_lines} are triggered "
+        "one by one"
+    )
 
 
 def certify_plan(

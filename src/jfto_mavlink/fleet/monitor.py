@@ -197,12 +197,15 @@ class FlightMonitor:
 
     def _begun(self, now_s: float) -> list[Event]:
         """Time zero, once all have begun: the one in the middle, so that one odd one is none."""
-        if self.lifted:
-            return []
         begun = [
             c.state.begun for c in self._crafts.values() if c.flying and c.state.begun is not None
         ]
         begun.sort(key=lambda moment: moment.at_s)
+        if self.lifted:
+            if begun and self.begun is not None and self.begun.utc_ns is None:
+                # The vehicle has told its UTC since, perhaps.
+                self.begun = begun[(len(begun) - 1) // 2]
+            return []
         if not begun or (len(begun) < len(self._crafts) and now_s < begun[0].at_s + TOGETHER_S):
             return []
         self.lifted = True

@@ -9,7 +9,7 @@ from jfto_mavlink.dialect import MODES, Message
 from jfto_mavlink.flight.control import AIRBORNE
 from jfto_mavlink.mission.build import VehicleMission
 from jfto_mavlink.protocol.exchange import Context
-from jfto_mavlink.protocol.item import Place, closest_m
+from jfto_mavlink.protocol.item import Place, closest_m, offset_m
 from jfto_msgs_py.records.passage import Passage
 from jfto_world.motion.arducopter.takeoff import SPOOL_UP_S
 
@@ -45,7 +45,8 @@ class Follower:
         """Update the passages; `now_s` is on the vehicle's own clock."""
         kind = message.get_type()
         if kind == "GLOBAL_POSITION_INT":
-            self._moved((message.lat / 1e7, message.lon / 1e7, message.relative_alt / 1e3))
+            place = message.lat / 1e7, message.lon / 1e7, message.relative_alt / 1e3
+            self._moved(place, now_s)
         elif kind == "MISSION_ITEM_REACHED":
             index = self.mission.item_map.waypoint(message.seq)
             if index is not None:
@@ -56,7 +57,7 @@ class Follower:
             passed = len(self.passages) if index is None else index
             self._reached(passed - 1, now_s)
 
-    def _moved(self, place: Place) -> None:
+    def _moved(self, place: Place, now_s: float) -> None:
         start = self._last_place or place
         self._last_place = place
         # The waypoint ahead, and the one just reached: a corner is cut before it is passed.
@@ -66,9 +67,27 @@ class Follower:
                 away_m = closest_m(start, place, self.mission.waypoints_deg_m[index])
                 nearest_m = min(passage.closest_m, away_m)
                 self.passages[index] = replace(passage, closest_m=nearest_m)
+        # Of a waypoint inside a line the vehicle knows nothing: its own way tells.
+        while self.mission.item_map.inside_line(self._next) and self._is_past(self._next, place):
+            self._pass_inside(self._next, now_s)
+            self._next += 1
+
+    def _is_past(self, index: int, place: Place) -> bool:
+        """Whether the way on, to the next waypoint, has begun."""
+        here, following = self.mission.waypoints_deg_m[index : index + 2]
+        onwards, gone = offset_m(here, following), offset_m(here, place)
+        return sum(a * b for a, b in zip(onwards, gone, strict=True)) >= 0
+
+    def _pass_inside(self, index: int, now_s: float) -> None:
+        passage = self.passages[index]
+        if passage.closest_m <= PASSED_M:
+            self.passages[index] = replace(passage, reached_s=now_s - self.lift_off_s)
 
     def _reached(self, index: int, now_s: float) -> None:
         for number in range(self._next, index + 1):
+            if self.mission.item_map.inside_line(number):
+                self._pass_inside(number, now_s)
+                continue
             passage = replace(self.passages[number], reached_s=now_s - self.lift_off_s)
             self.passages[number] = passage
         self._next = max(self._next, index + 1)

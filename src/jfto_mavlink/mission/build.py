@@ -1,9 +1,4 @@
-"""Missions from a plan, in the one order of items that a real ArduCopter was measured to honour.
-
-Photo k's mount angle and heading are set on the leg before it: WP(k-1), shutter, mount for k,
-heading for k, WP(k), shutter … CONDITION_YAW blocks the items behind it and drops them when the
-next waypoint comes first, so it stands last.
-"""
+"""Missions from a plan, in the one order of items that a real ArduCopter was measured to honour."""
 
 from __future__ import annotations
 
@@ -16,13 +11,21 @@ import numpy as np
 from jfto_mavlink.dialect import mavlink
 from jfto_mavlink.errors import MissionError
 from jfto_mavlink.mission.fence import Fence, RallyPoint, fence_items, rally_items
-from jfto_mavlink.mission.limits import Ground, check_clearance, check_limits, return_height_m
+from jfto_mavlink.mission.limits import (
+    Ground,
+    MissionLimits,
+    check_clearance,
+    check_limits,
+    return_height_m,
+)
+from jfto_mavlink.mission.photo_items import PhotoItems
 from jfto_mavlink.mission.settings import MissionSettings, check_as_planned
 from jfto_mavlink.mission.stored import mission_hash
 from jfto_mavlink.mission.way_home import home_items, landing_parameters, return_heights_m
 from jfto_mavlink.protocol.item import FRAME_ABSOLUTE, FRAME_HOME, FRAME_NONE, Item, Mission, at
 from jfto_msgs_py.records.plan import Plan, Route, Uav, Waypoint
 from jfto_msgs_py.types import Array
+from jfto_world.mission.steps import SPEEDS, Kind, route_steps
 from jfto_world.motion import MotionLimits
 from jfto_world.motion.arducopter import ArduCopter
 from jfto_world.terrain.frame import LocalFrame
@@ -31,7 +34,8 @@ from jfto_world.terrain.frame import LocalFrame
 RADIUS_SHARE = 0.6
 # Whoever follows a target needs a little more than the target does.
 SPARE = 1.2
-SPEED_GROUND, SPEED_CLIMB, SPEED_DESCENT = 1.0, 2.0, 3.0
+# Without it ArduCopter turns the nose along the route at every waypoint.
+KEEPS_HEADING = ("WP_YAW_BEHAVIOR", 0.0)
 
 
 @dataclass(frozen=True)
@@ -119,26 +123,27 @@ def _build_one(
         Item(mavlink.MAV_CMD_NAV_TAKEOFF, FRAME_HOME, z=settings.takeoff_height_m),
         *(_speed_items(uav) if settings.set_speeds else ()),
     ]
-    waypoint_items = []
-    for number, (waypoint, place) in enumerate(zip(waypoints, places[1:], strict=True)):
-        items += _aim_items(waypoint, settings)
-        hold_s = settings.hold_s if settings.style == "hold" else 0.0
-        waypoint_items.append(len(items))
-        items.append(at(mavlink.MAV_CMD_NAV_WAYPOINT, FRAME_HOME, *place, hold_s))
-        items += _shutter_items(settings)
-        if number in settings.gates and number < len(waypoints) - 1:
-            items.append(_gate_item(route.arrival_s[number], settings))
+    written = route_steps(waypoints, route.arrival_s, route.lines, settings.encoding, plan.trigger)
+    maker = PhotoItems(route, points[1:], places[1:], frame, home_alt_m, settings)
+    flown_by = {
+        step.waypoint: len(items) + n
+        for n, step in enumerate(written.steps)
+        if step.kind is Kind.GO
+    }
+    items += [maker.of(step) for step in written.steps]
+    if written.keeps_heading:
+        shared = replace(shared, parameters=(*shared.parameters, KEEPS_HEADING))
     last = places[-1] if waypoints else (*places[0][:2], settings.takeoff_height_m)
     if home is not None:
         streamed = _speed_items(uav) if plan.trajectories else ()
         items += home_items(home, frame, last, (*places[0][:2], home_alt_m), streamed)
     else:
         items += _ending_items(route, last, plan.slots.horizon_s, settings)
-    check_limits(uav.id, items, settings.limits)
+    check_limits(uav.id, items, _with_most(settings.limits, plan.mission_items))
     return VehicleMission(
         uav.id,
         replace(shared, items=tuple(items)),
-        map_items(items, waypoint_items),
+        map_items(items, _by_item(flown_by, len(waypoints))),
         route.waypoint_ids,
         tuple(places[1:]),
         route.arrival_s,
@@ -208,51 +213,23 @@ def _over_ground(
     )
 
 
+def _by_item(flown_by: dict[int, int], count: int) -> list[int]:
+    """Item with which each waypoint is passed: inside a line that of its end."""
+    items: list[int] = []
+    for k in reversed(range(count)):
+        items.append(flown_by.get(k, items[-1] if items else 0))
+    return items[::-1]
+
+
+def _with_most(limits: MissionLimits, items: int) -> MissionLimits:
+    return limits if limits.items_max else replace(limits, items_max=items)
+
+
 def _speed_items(uav: Uav) -> list[Item]:
     return [
         Item(mavlink.MAV_CMD_DO_CHANGE_SPEED, FRAME_NONE, (kind, speed, -1.0, 0.0))
-        for kind, speed in (
-            (SPEED_GROUND, uav.speed_mps),
-            (SPEED_CLIMB, uav.climb_mps),
-            (SPEED_DESCENT, uav.descent_mps),
-        )
+        for kind, speed in zip(SPEEDS, (uav.speed_mps, uav.climb_mps, uav.descent_mps), strict=True)
     ]
-
-
-def _aim_items(waypoint: Waypoint, settings: MissionSettings) -> list[Item]:
-    items = []
-    pitch = waypoint.pitch_deg
-    if settings.mount == "mount_control":
-        items.append(Item(mavlink.MAV_CMD_DO_MOUNT_CONTROL, FRAME_NONE, (pitch, 0.0, 0.0, 0.0)))
-    elif settings.mount == "gimbal_manager":
-        items.append(
-            Item(
-                mavlink.MAV_CMD_DO_GIMBAL_MANAGER_PITCHYAW,
-                FRAME_NONE,
-                (pitch, 0.0, 0.0, 0.0),
-            )
-        )
-    if settings.turn_to_target:
-        yaw = waypoint.yaw_deg % 360.0
-        items.append(Item(mavlink.MAV_CMD_CONDITION_YAW, FRAME_NONE, (yaw, 0.0, 0.0, 0.0)))
-    return items
-
-
-def _shutter_items(settings: MissionSettings) -> list[Item]:
-    if settings.shutter == "digicam":
-        # x is param5, the shooting command.
-        return [Item(mavlink.MAV_CMD_DO_DIGICAM_CONTROL, FRAME_NONE, x=1)]
-    if settings.shutter == "image_capture":
-        return [Item(mavlink.MAV_CMD_IMAGE_START_CAPTURE, FRAME_NONE, (0.0, 1.0, 1.0, 0.0))]
-    return []
-
-
-def _gate_item(arrival_s: float, settings: MissionSettings) -> Item:
-    """Wait for a second of the minute: with hour and minute, a late vehicle would wait a day."""
-    if settings.start_unix_s is None:
-        raise MissionError(303, "time gates need the planned moment of lift-off.")
-    leave = math.ceil(settings.start_unix_s + arrival_s + settings.gate_slack_s)
-    return Item(mavlink.MAV_CMD_NAV_DELAY, FRAME_NONE, (-1.0, -1.0, -1.0, float(leave % 60)))
 
 
 def _ending_items(
@@ -278,7 +255,10 @@ def _ending_items(
 
 @dataclass(frozen=True)
 class ItemMap:
-    """`items[k]` is the item of the route's k-th waypoint; `count` the mission's item count."""
+    """`items[k]` is the item of the route's k-th waypoint, or the line's end that it lies before.
+
+    `reached` has the waypoint for which each item stands when it is reached.
+    """
 
     items: tuple[int, ...]
     reached: tuple[int | None, ...]
@@ -286,6 +266,10 @@ class ItemMap:
     def waypoint(self, reached_seq: int) -> int | None:
         """Index along the route of the waypoint that a reached item stands for, if any."""
         return self.reached[reached_seq] if 0 <= reached_seq < len(self.reached) else None
+
+    def inside_line(self, index: int) -> bool:
+        """Whether the vehicle is not told of a waypoint: it shares the item of the next one."""
+        return 0 <= index < len(self.items) - 1 and self.items[index] == self.items[index + 1]
 
     def next_waypoint(self, current_seq: int) -> int | None:
         """Index of the first waypoint not yet reached while item `current_seq` is flown."""

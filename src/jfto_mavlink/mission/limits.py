@@ -29,19 +29,19 @@ _PLACED_FRAMES = (0, 5, 3, 6, 10, 11)
 
 @dataclass(frozen=True)
 class MissionLimits:
-    """What a mission may hold. Heights are above home; `items_max` includes home.
+    """What a mission may hold. Heights are above home; `items_max` includes home, 0: as planned.
 
     Where the ground is known, legs pass at least `clearance_min_m` above it, and the straight way
     home `return_clearance_m`.
 
-    ArduPilot keeps hold times in 16 bits, and at least 650 items on the boards in use.
+    ArduPilot keeps hold times in 16 bits.
     """
 
     height_min_m: float = 0.0
     height_max_m: float = 1000.0
     distance_max_m: float = 5000.0
     hold_max_s: float = 3600.0
-    items_max: int = 650
+    items_max: int = 0
     clearance_min_m: float = 5.0
     return_clearance_m: float = 20.0
 
@@ -53,7 +53,7 @@ class MissionLimits:
 def check_limits(uav: str, items: Sequence[Item], limits: MissionLimits) -> None:
     """Raise MissionError that lists everything in a mission that breaks a limit."""
     problems = []
-    if len(items) > limits.items_max:
+    if limits.items_max and len(items) > limits.items_max:
         problems.append(
             f"{len(items)} items, at most {limits.items_max}: split the route or drop items"
         )

@@ -8,11 +8,10 @@ from typing import Any
 from jfto_mavlink.errors import MissionError
 from jfto_mavlink.mission.limits import MissionLimits
 from jfto_msgs_py.records.plan import Plan
+from jfto_world.mission.encoding import MOUNTS, SHUTTERS, Encoding
 from jfto_world.motion.arducopter import ArduCopter
 
 STYLES = ("fly_through", "hold")
-SHUTTERS = ("digicam", "image_capture", "none")
-MOUNTS = ("mount_control", "gimbal_manager", "none")
 
 
 @dataclass(frozen=True)
@@ -25,7 +24,8 @@ class MissionSettings:
     relay when `relay_until_end` is set, then flies the plan's way home and lands. Without either,
     it climbs to `return_height_m` above home if it is lower, and returns. `gates` are indices along
     each route (0 = first waypoint) behind which all vehicles wait for their planned time plus
-    `gate_slack_s`; they need `start_unix_s`, the planned moment of lift-off.
+    `gate_slack_s`; they need `start_unix_s`, the planned moment of lift-off. `mount`, `shutter` and
+    `turn_to_target` are as in `Encoding`.
     """
 
     style: str = "fly_through"
@@ -33,7 +33,7 @@ class MissionSettings:
     pass_within_m: float = 2.0
     takeoff_height_m: float = 10.0
     shutter: str = "digicam"
-    mount: str = "mount_control"
+    mount: str = "look_at"
     turn_to_target: bool = True
     set_speeds: bool = True
     relay_until_end: bool = True
@@ -43,6 +43,18 @@ class MissionSettings:
     start_unix_s: float | None = None
     terrain_frame: bool = False
     limits: MissionLimits = field(default_factory=MissionLimits)
+
+    @property
+    def encoding(self) -> Encoding:
+        """Which items photographs take."""
+        return Encoding(
+            self.mount,
+            self.shutter,
+            self.turn_to_target,
+            self.set_speeds,
+            self.relay_until_end,
+            self.gates,
+        )
 
     def __post_init__(self) -> None:
         for name, allowed in (("style", STYLES), ("shutter", SHUTTERS), ("mount", MOUNTS)):

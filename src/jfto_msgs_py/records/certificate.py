@@ -20,6 +20,7 @@ KINDS = (
     "endurance",  # a UAV stands at its pad later than its battery lets it fly
     "battery",  # a flight takes more of a UAV's battery than it may (fleet.battery_wh)
     "energy",  # the least power that keeps the topology costs more than E_a,max (P0emax)
+    "line",  # photographs along a line would not be those planned
     "items",  # a UAV's mission has more items than an autopilot holds
     "route",  # times, lengths or positions in the plan contradict its own routes
 )

@@ -71,6 +71,22 @@ class Uav:
 
 
 @dataclass(frozen=True)
+class Line:
+    """A straight part of a route along which the camera is triggered by distance or by time.
+
+    `first` and `last` are indices along the route; the vehicle is not told of those in between.
+    """
+
+    first: Annotated[int, Range(0)]
+    last: Annotated[int, Range(0)]
+
+    @property
+    def passed(self) -> slice:
+        """The waypoints behind `first`, `last` included."""
+        return slice(self.first + 1, self.last + 1)
+
+
+@dataclass(frozen=True)
 class Route:
     """What one UAV flies: waypoint ids in order, arrival times (s from lift-off), length in m.
 
@@ -80,6 +96,7 @@ class Route:
     waypoint_ids: tuple[int, ...]
     arrival_s: tuple[float, ...]
     length_m: float
+    lines: tuple[Line, ...] = ()
 
     @property
     def end_s(self) -> float:
@@ -113,8 +130,9 @@ class Plan:
     `trajectories`, one record per UAV, which is empty otherwise. `homes` are the ways home, one per
     UAV, empty where none is planned. `wind_mps` is the wind that speeds leave room for below the
     tilt limit; times are for calm air. `topology` is the form of C-TOP in flight. `area` is what is
-    to be seen, empty where it is the whole rectangle of the terrain or nobody said. `certificate`
-    is None before the check.
+    to be seen, empty where it is the whole rectangle of the terrain or nobody said. `trigger` is
+    how photographs on `lines` of the routes are taken (distance, time; each: there are none),
+    `mission_items` what an autopilot holds. `certificate` is None before the check.
     """
 
     scenario_hash: str
@@ -140,6 +158,8 @@ class Plan:
     area: tuple[Polygon, ...] = ()
     fence: Fence | None = None
     sortie: Sortie = field(default_factory=Sortie)
+    trigger: str = "each"
+    mission_items: int = 650
 
     @property
     def total_length_m(self) -> float:

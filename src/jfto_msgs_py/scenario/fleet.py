@@ -93,6 +93,13 @@ class FleetPart:
         high=90.0,
         later=True,
     )
+    mission_items: int = param(
+        650,
+        "Items, home included, that an autopilot holds: 650 or more on the boards in use. Routes "
+        "are kept within it.",
+        low=20,
+        high=65_000,
+    )
 
 
 @dataclass(frozen=True)

@@ -193,6 +193,13 @@ class CoveragePart:
     pitch_max_deg: float = param(
         20.0, "Highest gimbal pitch; 0 is the horizon.", unit="deg", low=-90.0, high=90.0
     )
+    trigger: str = param(
+        "each",
+        "How photographs on straight lines of equal spacing, heading and pitch are triggered: "
+        "each: one by one; distance: by the distance flown; time: at equal times. All others are "
+        "triggered one by one.",
+        choices=("each", "distance", "time"),
+    )
     fill_gaps: bool = param(True, "Add waypoints where the regular grid leaves ground unseen.")
     heading_deg: float = param(
         -1.0,

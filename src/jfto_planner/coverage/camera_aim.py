@@ -20,8 +20,10 @@ _YAW_LOCK = 16
 class CameraAim:
     """The camera's aim as items change it. Degrees; pitch is -90 straight down."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, keeps_heading: bool = False) -> None:
         self.notes: list[str] = []
+        # Whether the file's parameters tell ArduCopter to keep a heading beyond a waypoint.
+        self._keeps_heading = keeps_heading
         self._pitch_deg = -90.0
         self._gimbal_yaw_deg = 0.0
         self._gimbal_locked = False
@@ -83,6 +85,8 @@ class CameraAim:
         if math.isnan(pitch):
             self._say(f"a gimbal command without an angle is not used (first {item.place})")
             return
+        # Angles end the looking at a region.
+        self._region_m = None
         self._pitch_deg = pitch
         self._gimbal_yaw_deg = 0.0 if math.isnan(yaw) else yaw
         self._gimbal_locked = locked and not math.isnan(yaw)
@@ -109,7 +113,7 @@ class CameraAim:
         elif self._own:
             self._heading_deg, self._own = None, False
         else:
-            self.held = self._heading_deg is not None
+            self.held = self._heading_deg is not None and not self._keeps_heading
 
     def angles(self, position_m: Vector, place: str, course_deg: float) -> tuple[float, float]:
         """Yaw and pitch of a photo from here; `course_deg` where no heading was given."""

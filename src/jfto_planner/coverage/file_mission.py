@@ -16,7 +16,7 @@ from jfto_planner.coverage.raw_waypoint import RawWaypoint
 _WAYPOINTS = (16, 82)
 _PASSED = {19: "loiter for a time", 20: "return", 21: "landing", 22: "take-off", 93: "delay"}
 _LAST_NAVIGATION = 95
-_SPEED, _SET_HOME = 178, 179
+_SPEED, _SET_HOME, _WITHIN = 178, 179, 114
 _OTHERS = {177: "jump (177)", _SPEED: "speed (178)"}
 # Photos nearer than this are one: a line's last and the next line's first, or crossing lines.
 _SAME_M = 0.05
@@ -31,7 +31,8 @@ def photos_of_mission(
     its photos along the lines; else all its waypoints. `notes` gets a line on all that is not used.
     Raises WaypointError.
     """
-    reader = _Reader(source, places, notes)
+    keeps_heading = dict(document.parameters).get("WP_YAW_BEHAVIOR") == 0
+    reader = _Reader(source, places, notes, keeps_heading=keeps_heading)
     reader.trigger.speed_mps = document.hover_speed_mps
     for item in document.items:
         reader.read(item)
@@ -46,9 +47,14 @@ def photos_of_mission(
 class _Reader:
     """Flies through the items as a vehicle would, and keeps where photos are taken."""
 
-    def __init__(self, source: str, places: Places, notes: list[str]) -> None:
+    def __init__(
+        self, source: str, places: Places, notes: list[str], *, keeps_heading: bool
+    ) -> None:
         self._source, self._places, self._notes = source, places, notes
-        self._aim = CameraAim()
+        self._aim = CameraAim(keeps_heading=keeps_heading)
+        # Orders to the camera that wait until so far (m) before the next waypoint.
+        self._within_m = 0.0
+        self._waiting: list[FileItem] = []
         self.trigger = PhotoTrigger()
         self._here: Spot | None = None
         self._course_deg: float | None = None
@@ -71,6 +77,10 @@ class _Reader:
                 f"{item.place}: command {command} is neither a waypoint nor a take-off, return or "
                 "landing. Replace it by a waypoint (16)."
             )
+        elif command == _WITHIN:
+            self._within_m = max(item.params[0], 0.0)
+        elif self._within_m and command in PhotoTrigger.COMMANDS:
+            self._waiting.append(item)
         elif self._aim.take(item, self._places):
             pass
         elif self.trigger.take(item):
@@ -99,12 +109,26 @@ class _Reader:
             if math.hypot(east, north) > 0.1:
                 self._course_deg = math.degrees(math.atan2(east, north)) % 360.0
         self._aim.reach(item)
-        for along in self.trigger.along(item.place, start, spot):
-            self._shoot(self._places.between(start, spot, along), item.place)
+        for begin, end in self._parts(start, spot):
+            for along in self.trigger.along(item.place, begin, end):
+                self._shoot(self._places.between(begin, end, along), item.place)
+            for waiting in self._waiting:
+                self.trigger.take(waiting)
+            self._waiting = []
+        self._within_m = 0.0
         self._here = spot
         yaw_deg, pitch_deg = self._aim.angles(spot.position_m, item.place, 0.0)
         self._held["waypoints"] += [item.place] * self._aim.held
         self._waypoints.append(RawWaypoint(item.place, spot.position_m, yaw_deg, pitch_deg))
+
+    def _parts(self, start: Spot | None, end: Spot) -> list[tuple[Spot | None, Spot]]:
+        """The leg, divided where orders wait for its last metres (114)."""
+        if start is None or not self._waiting:
+            return [(start, end)]
+        length_m = math.dist(start.position_m[:2], end.position_m[:2])
+        share = max(1.0 - self._within_m / length_m, 0.0) if length_m > 0 else 0.0
+        middle = self._places.between(start, end, share)
+        return [(start, middle), (middle, end)]
 
     def _shoot(self, spot: Spot, place: str) -> None:
         yaw_deg, pitch_deg = self._aim.angles(spot.position_m, place, self._course_deg or 0.0)

@@ -24,6 +24,14 @@ class PhotoTrigger:
     vehicle is, before it flies on.
     """
 
+    COMMANDS = (
+        _DIGICAM_CONTROL,
+        _TRIGGER_DISTANCE,
+        _TRIGGER_INTERVAL,
+        _START_CAPTURE,
+        _STOP_CAPTURE,
+    )
+
     def __init__(self) -> None:
         self.speed_mps: float | None = None
         self.used = False

@@ -24,7 +24,8 @@ class Assessment:
     neighbour rule that fail, `splits` slots in which the fleet is not connected, `close_pairs`
     pair × slot checks of separation that fail; `fine_faults` counts instants between slots with
     any of these three. `overlong_m` and `energy_over_j` are what exceeds L_max and, summed over
-    UAVs, E_max; `low_legs` counts closed legs that are flown.
+    UAVs, E_max; `low_legs` counts closed legs that are flown, `overfull` waypoints beyond what
+    routes may have.
     """
 
     length_m: float
@@ -38,6 +39,7 @@ class Assessment:
     energy_over_j: float
     energy_j: tuple[float, ...]
     low_legs: int = 0
+    overfull: int = 0
 
     @property
     def clean(self) -> bool:
@@ -59,6 +61,7 @@ class Assessment:
             + self.late_s
             + self.energy_over_j
             + 100.0 * self.low_legs
+            + 20.0 * self.overfull
             + 1e-3 * self.overlong_m
         )
 
@@ -74,6 +77,7 @@ class Assessment:
             "total_length": self.overlong_m,
             "energy": self.energy_over_j,
             "clearance": float(self.low_legs),
+            "items": float(self.overfull),
         }
 
 
@@ -124,6 +128,7 @@ def assess(problem: RoutingProblem, routes: Routes) -> Assessment:
         energy_over_j=over,
         energy_j=tuple(float(e) for e in energy),
         low_legs=_low_legs(problem, routes),
+        overfull=_overfull(problem, routes),
     )
 
 
@@ -132,6 +137,12 @@ def _low_legs(problem: RoutingProblem, routes: Routes) -> int:
         return 0
     nodes = [[problem.waypoint_count + a, *route] for a, route in enumerate(routes)]
     return int(sum(problem.closed_legs[each[:-1], each[1:]].sum() for each in nodes))
+
+
+def _overfull(problem: RoutingProblem, routes: Routes) -> int:
+    if problem.most_waypoints is None:
+        return 0
+    return int(np.maximum([len(route) for route in routes] - problem.most_waypoints, 0).sum())
 
 
 def _faults(problem: RoutingProblem, positions: Array) -> tuple[Flags, Flags, Ints]:

@@ -10,7 +10,7 @@ import numpy as np
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.plan_file import rounded_record
 from jfto_msgs_py.records.fields import record_from
-from jfto_msgs_py.records.plan import Origin, Plan, Route, Slots, Uav, Vector, Waypoint
+from jfto_msgs_py.records.plan import Line, Origin, Plan, Route, Slots, Uav, Vector, Waypoint
 from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.records.site import Fence, Polygon, Sortie
 from jfto_msgs_py.records.topology import LITERAL
@@ -19,7 +19,10 @@ from jfto_msgs_py.units import dbm_to_w, w_to_dbm
 from jfto_msgs_py.whole_numbers import whole_number
 from jfto_planner.routing.problem import RoutingProblem
 from jfto_planner.smoothing.trajectory import Trajectory
+from jfto_world.mission.encoding import ITEMS_MAX
+from jfto_world.mission.lines import trigger_lines
 from jfto_world.motion import ConstantSpeed, MotionLimits, TimeModel, time_model_named
+from jfto_world.motion.lines import along
 from jfto_world.radio import make_channel
 
 # Arrivals at pad and waypoints, and positions at given times.
@@ -53,6 +56,8 @@ class PlanTerms:
     area: tuple[Polygon, ...] = ()
     fence: Fence | None = None
     sortie: Sortie = field(default_factory=Sortie)
+    trigger: str = "each"
+    mission_items: int = ITEMS_MAX
 
 
 def build_plan(
@@ -94,6 +99,7 @@ def build_plan(
     parameters: dict[str, float] = rounded_record(dict(time_parameters or {}))
     flights: list[_Flight] = []
     lines = []
+    rows: list[tuple[Line, ...]] = [()] * len(uavs)
     for uav, route in zip(uavs, routes, strict=True):
         points = [uav.start_m, *(waypoints[index].position_m for index in route)]
         lines.append(np.array(points, dtype=np.float64))
@@ -101,7 +107,12 @@ def build_plan(
         flights = [_on_curve(Trajectory.from_record(record)) for record in records]
     else:
         model = time_model_named(time_model, parameters)
-        flights = [_by_model(model, line, uav) for line, uav in zip(lines, uavs, strict=True)]
+        for a, (uav, route) in enumerate(zip(uavs, routes, strict=True)):
+            # Who stops for every photograph is told of every waypoint.
+            if not parameters.get("hold_s"):
+                on_route = [waypoints[index] for index in route]
+                rows[a] = _rows(model, lines[a], uav, on_route, terms.trigger)
+            flights.append(_by_model(along(model, rows[a]), lines[a], uav))
     horizon_s = terms.horizon_s
     if horizon_s is None:
         horizon_s = max(float(arrival[-1]) for arrival, _ in flights)
@@ -115,13 +126,27 @@ def build_plan(
                 waypoint_ids=tuple(waypoints[index].id for index in route),
                 arrival_s=tuple(float(time) for time in arrival[1:]),
                 length_m=float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum()),
+                lines=row,
             )
-            for route, line, (arrival, _) in zip(routes, lines, flights, strict=True)
+            for route, line, row, (arrival, _) in zip(routes, lines, rows, flights, strict=True)
         ),
         positions_m=np.stack([position(slots.times_s) for _, position in flights]),
         time_model=time_model,
         time_parameters=parameters,
         trajectories=records,
+    )
+
+
+def _rows(
+    model: TimeModel, line: Array, uav: Uav, on_route: Sequence[Waypoint], trigger: str
+) -> tuple[Line, ...]:
+    """Lines of a route on which one order takes all photographs."""
+    limits = MotionLimits(uav.speed_mps, uav.climb_mps, uav.descent_mps)
+    return trigger_lines(
+        on_route,
+        trigger,
+        uav.speed_mps,
+        lambda rows: along(model, rows).arrivals(line, limits)[1:],
     )
 
 

@@ -51,6 +51,7 @@ def make_tables(problem: RoutingProblem) -> Tables:
         reach=reach,
         near_sq=(d_min + (speed[:, None] + speed[None, :]) * slot_s) ** 2,
         energy_limit=np.full(problem.uav_count, np.inf),
+        most=_most(problem),
         reach_exact=reach.copy(),
         k_min=problem.k_min,
         d_min=d_min,
@@ -61,6 +62,12 @@ def make_tables(problem: RoutingProblem) -> Tables:
         power_exponent=float(problem.path_loss_exponent),
         exponential=exponential_table(QUANTILES),
     )
+
+
+def _most(problem: RoutingProblem) -> Array:
+    if problem.most_waypoints is None:
+        return np.full(problem.uav_count, np.inf)
+    return problem.most_waypoints
 
 
 def _grid(problem: RoutingProblem) -> tuple[int, float]:

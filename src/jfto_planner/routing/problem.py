@@ -61,6 +61,8 @@ class RoutingProblem:
         several threads.
     path_loss_exponent
         Exponent of distance in the power a link needs; guides the search in saving energy.
+    most_waypoints
+        How many waypoints a route may have, (A,) or one for all; None for any.
     closed_legs
         Legs that must not be flown, symmetric (W + A, W + A), waypoints before pads, or None.
 
@@ -85,6 +87,7 @@ class RoutingProblem:
     energy_floor: EnergyFloor | None = None
     path_loss_exponent: float = 2.0
     closed_legs: Flags | None = None
+    most_waypoints: Array | None = None
 
     def __post_init__(self) -> None:
         for name in ("waypoints_m", "starts_m"):
@@ -97,7 +100,7 @@ class RoutingProblem:
             object.__setattr__(self, "limits", self.limits * self.uav_count)
         if len(self.limits) != self.uav_count:
             raise InputError(f"limits has {len(self.limits)} entries for {self.uav_count} UAVs.")
-        for name in ("t_max_s", "reach_m", "energy_j"):
+        for name in ("t_max_s", "reach_m", "energy_j", "most_waypoints"):
             if getattr(self, name) is not None:
                 values = _per_uav(name, getattr(self, name), self.uav_count)
                 object.__setattr__(self, name, values)

@@ -21,7 +21,7 @@ WAYPOINT, LOITER_UNLIM, LOITER_TURNS, LOITER_TIME, RTL, LAND, TAKEOFF = 16, 17, 
 SPLINE, GUIDED_ENABLE, DELAY, PAYLOAD_PLACE = 82, 92, 93, 94
 JUMP, CHANGE_SPEED, SET_HOME, SET_ROI, MOUNT_CONTROL = 177, 178, 179, 201, 205
 CONDITION_DELAY, CONDITION_DISTANCE, CONDITION_YAW = 112, 114, 115
-DIGICAM, CAM_TRIGG_DIST, GIMBAL_PITCHYAW, IMAGE_START = 203, 206, 1000, 2000
+DIGICAM, CAM_TRIGG_DIST, GIMBAL_PITCHYAW, IMAGE_START, IMAGE_STOP = 203, 206, 1000, 2000, 2001
 VTOL_TAKEOFF, VTOL_LAND, JUMP_TAG, DO_JUMP_TAG, FENCE_ENABLE = 84, 85, 600, 601, 207
 
 NAMES = {
@@ -36,7 +36,7 @@ NAMES = {
     CAM_TRIGG_DIST: "SetCamTrigDst", FENCE_ENABLE: "FenceEnable", 208: "Parachute", 211: "Gripper",
     218: "AuxFunction", 222: "GuidedLimits", 600: "JumpTag", 601: "JumpToTag",
     GIMBAL_PITCHYAW: "GimbalPitchYaw", IMAGE_START: "ImageStartCapture",
-    2001: "ImageStopCapture", 2500: "VideoStartCapture", 2501: "VideoStopCapture",
+    IMAGE_STOP: "ImageStopCapture", 2500: "VideoStartCapture", 2501: "VideoStopCapture",
     42600: "Winch", 42703: "NavAttitudeTime", 531: "SetCamZoom", 532: "SetCamFocus",
     194: "SetReverse", 215: "SetRepeatDist", 216: "Sprayer",
 }  # fmt: skip
@@ -52,7 +52,7 @@ NAV = frozenset(
 # run by the mission library itself, which reports none of them as reached
 UNREPORTED = frozenset(
     {181, 182, 183, 184, 194, 200, 202, DIGICAM, CAM_TRIGG_DIST, FENCE_ENABLE, 208, 211, 216, 218,
-     531, 532, JUMP_TAG, GIMBAL_PITCHYAW, IMAGE_START, 2001, 2500, 2501}
+     531, 532, JUMP_TAG, GIMBAL_PITCHYAW, IMAGE_START, IMAGE_STOP, 2500, 2501}
 )  # fmt: skip
 _YAW_MAY_BE_NAN = frozenset({WAYPOINT, LAND, TAKEOFF, VTOL_TAKEOFF, VTOL_LAND})
 

@@ -227,22 +227,32 @@ class DoItems:
         if command == kinds.CHANGE_SPEED and p[1] > 0:
             self.change_speed(p[1], int(p[0]))
         elif command == kinds.CONDITION_YAW:
+            self.watching = False
             flight.heading.turn_to(p[0], p[1], int(p[2]), relative=bool(p[3]))
         elif command == kinds.SET_ROI:
             if not item.x and not item.y:
                 self.look_ahead()
             elif not flight.params["MNT1_TYPE"]:
                 self.look_at(item.x, item.y)
-        elif (command == kinds.DIGICAM and item.x == 1) or (
-            command == kinds.IMAGE_START and p[2] >= 0
-        ):
+        elif command == kinds.DIGICAM and item.x == 1:
             self.camera.shoot()
+        elif command == kinds.IMAGE_START:
+            self._capture(p[1], int(p[2]))
+        elif command == kinds.IMAGE_STOP:
+            self.camera.series(0.0, 0)
         elif command == kinds.CAM_TRIGG_DIST:
             self.camera.every(p[0], at_once=bool(p[2]))
         elif command == kinds.SET_HOME:
             flight.position.set_home(item.x, item.y, item.z_m)
         elif command == kinds.FENCE_ENABLE:
             self.fence.switch(p[0])
+
+    def _capture(self, interval_s: float, count: int) -> None:
+        """One picture, or several; none is without end."""
+        if count == 1 or (count == 0 and interval_s == 0):
+            self.camera.shoot()
+        elif count >= 0:
+            self.camera.series(interval_s, count or -1)
 
     def look_at(self, lat: int, lon: int) -> None:
         """Point the nose at a place (1e-7 degree) from now on."""

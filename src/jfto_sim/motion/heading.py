@@ -31,6 +31,8 @@ class Heading:
         self.demand_deg = wrap_360(heading_deg)
         self.rate_dps = 0.0
         self._left_deg = 0.0
+        # Where a turn is to be by now; while a heading is held, where the route leads.
+        self._target_deg = self.demand_deg
         self._slew_dps = SLEW_DPS
         self._stream_deg = 0.0
         self.place_m: tuple[float, float] = (0.0, 0.0)
@@ -44,11 +46,16 @@ class Heading:
         self.mode = YawMode.ALONG_TRACK
 
     def turn_to(self, angle_deg: float, rate_dps: float, direction: int, *, relative: bool) -> None:
-        """CONDITION_YAW: clockwise (1), counter-clockwise (-1) or the short way (0) to an angle."""
+        """CONDITION_YAW: clockwise (1), counter-clockwise (-1) or the short way (0) to an angle.
+
+        A turn from a heading that is held begins as if the nose pointed along the route.
+        """
+        if self.mode is not YawMode.HOLD or relative:
+            self._target_deg = self.demand_deg
         if relative:
             self._left_deg = angle_deg * (-1.0 if direction < 0 else 1.0)
         else:
-            self._left_deg = wrap_180(angle_deg - self.demand_deg)
+            self._left_deg = wrap_180(angle_deg - self._target_deg)
             if direction < 0 < self._left_deg:
                 self._left_deg -= 360.0
             elif direction > 0 > self._left_deg:
@@ -74,7 +81,9 @@ class Heading:
         """Whether a CONDITION_YAW is done: slewed to its end and within two degrees of it."""
         if self.mode is not YawMode.FIXED:
             return True
-        return self._left_deg == 0.0 and abs(wrap_180(self.demand_deg - heading_deg)) <= REACHED_DEG
+        return (
+            self._left_deg == 0.0 and abs(wrap_180(self._target_deg - heading_deg)) <= REACHED_DEG
+        )
 
     def step(
         self,
@@ -90,22 +99,30 @@ class Heading:
         if self.mode is YawMode.FIXED:
             step = math.copysign(min(abs(self._left_deg), self._slew_dps * dt_s), self._left_deg)
             self._left_deg -= step
-            self.demand_deg = wrap_360(self.demand_deg + step)
+            self._target_deg = wrap_360(self._target_deg + step)
+            self._slew(self._target_deg, dt_s)
+        elif self.mode is YawMode.HOLD:
+            self._target_deg = self._wanted(position_m, velocity_mps, self._target_deg)
         elif self.mode is YawMode.STREAM:
             self._stream_deg += self.rate_dps * dt_s
             self._slew(self._stream_deg, dt_s)
         elif self.mode is YawMode.RATE:
             self.demand_deg = wrap_360(self.demand_deg + self.rate_dps * dt_s)
         elif self.mode in (YawMode.ALONG_TRACK, YawMode.PLACE):
-            self._slew(self._wanted(position_m, velocity_mps), dt_s)
+            self._slew(self._wanted(position_m, velocity_mps, self.demand_deg), dt_s)
         fed = self.mode in (YawMode.RATE, YawMode.STREAM)
         return self.demand_deg, wrap_180(self.demand_deg - before) / dt_s if fed else 0.0
 
-    def _wanted(self, position_m: tuple[float, float], velocity_mps: tuple[float, float]) -> float:
+    def _wanted(
+        self,
+        position_m: tuple[float, float],
+        velocity_mps: tuple[float, float],
+        at_rest_deg: float,
+    ) -> float:
         if self.mode is YawMode.PLACE:
             east, north = self.place_m[0] - position_m[0], self.place_m[1] - position_m[1]
         elif math.hypot(*velocity_mps) < _FOLLOW_SPEED_MPS:
-            return self.demand_deg
+            return at_rest_deg
         else:
             east, north = velocity_mps
         return math.degrees(math.atan2(east, north))

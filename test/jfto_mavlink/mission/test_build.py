@@ -12,11 +12,13 @@ from jfto_mavlink.errors import MissionError
 from jfto_mavlink.mission.build import build_missions
 from jfto_mavlink.mission.limits import MissionLimits
 from jfto_mavlink.mission.settings import MissionSettings, settings_for
-from jfto_msgs_py.records.plan import Route
+from jfto_msgs_py.records.plan import Line, Route
 from jfto_world.terrain.frame import LocalFrame
 
 WP, TAKEOFF, RTL = 16, 22, 20
 SPEED, MOUNT, YAW, SHUTTER, DELAY, LOITER = 178, 205, 115, 203, 93, 19
+LOOK, EVERY, WITHIN, SERIES = 201, 206, 114, 2000
+BY_ANGLES = MissionSettings(mount="mount_control")
 
 
 def timed_plan(plan, **parameters):
@@ -30,7 +32,7 @@ def commands(mission) -> list[int]:
 
 def test_items_stand_in_the_order_that_was_measured_to_work(plan):
     """Shutter, mount, heading before the next waypoint; heading last; RTL at the end."""
-    first = build_missions(plan, MissionSettings())[0]
+    first = build_missions(plan, BY_ANGLES)[0]
     photo = [MOUNT, YAW, WP, SHUTTER]
     assert commands(first) == [WP, TAKEOFF, SPEED, SPEED, SPEED, *photo * 3, LOITER, RTL]
     assert first.item_map.items == (7, 11, 15)
@@ -55,13 +57,105 @@ def test_places_and_heights_are_those_of_the_plan(plan):
 
 def test_camera_angles_reach_the_items(plan):
     """Pitch in the mount item, heading in CONDITION_YAW, 0 to 360 degrees, absolute."""
-    built = build_missions(plan, MissionSettings())[0]
+    built = build_missions(plan, BY_ANGLES)[0]
     waypoints = {w.id: w for w in plan.waypoints}
     for waypoint_id, seq in zip(built.waypoint_ids, built.item_map.items, strict=True):
         mount, yaw = built.mission.items[seq - 2 : seq]
         assert mount.params[0] == pytest.approx(waypoints[waypoint_id].pitch_deg)
         assert yaw.params[0] == pytest.approx(waypoints[waypoint_id].yaw_deg % 360, abs=1e-4)
         assert yaw.params[3] == 0.0
+
+
+def test_one_item_looks_along_the_line_of_sight_of_a_photo(plan):
+    """A far place on it, as seen from the waypoint, instead of a mount's and a heading's item."""
+    first = build_missions(plan, MissionSettings())[0]
+    photo = [LOOK, WP, SHUTTER]
+    assert commands(first) == [WP, TAKEOFF, SPEED, SPEED, SPEED, *photo * 3, LOITER, RTL]
+    frame, waypoints = LocalFrame(plan.origin), {w.id: w for w in plan.waypoints}
+    home_alt = first.home_deg_m[2]
+    for waypoint_id, seq in zip(first.waypoint_ids, first.item_map.items, strict=True):
+        look, waypoint = first.mission.items[seq - 1], waypoints[waypoint_id]
+        far = frame.to_enu(look.lat_deg, look.lon_deg, home_alt + look.z)
+        east, north, up = far - np.array(waypoint.position_m)
+        assert np.degrees(np.arctan2(east, north)) % 360 == pytest.approx(
+            waypoint.yaw_deg % 360, abs=0.01
+        )
+        assert np.degrees(np.arctan2(up, np.hypot(east, north))) == pytest.approx(
+            waypoint.pitch_deg, abs=0.015
+        )
+
+
+def alike(plan, **changes):
+    """The plan with all waypoints looking the same way."""
+    waypoints = tuple(dataclasses.replace(w, yaw_deg=40.0, pitch_deg=-60.0) for w in plan.waypoints)
+    return dataclasses.replace(plan, waypoints=waypoints, **changes)
+
+
+def test_what_does_not_change_is_set_once(plan):
+    """One mount, one heading; the autopilot is told not to turn the nose along the route."""
+    built = build_missions(alike(plan), MissionSettings(set_speeds=False))[0]
+    photo = [WP, SHUTTER]
+    assert commands(built) == [WP, TAKEOFF, MOUNT, YAW, *photo * 3, LOITER, RTL]
+    assert dict(built.mission.parameters)["WP_YAW_BEHAVIOR"] == 0.0
+    turning = build_missions(plan, MissionSettings())[0]
+    assert "WP_YAW_BEHAVIOR" not in dict(turning.mission.parameters)
+
+
+def test_a_turn_that_may_not_have_ended_is_ordered_again(plan):
+    """The next waypoint stops a turn; a leg of less than 4 s may be too short for it."""
+    routes = (dataclasses.replace(plan.routes[0], arrival_s=(3.0, 30.0, 47.5)), plan.routes[1])
+    built = build_missions(alike(plan, routes=routes), MissionSettings(set_speeds=False))[0]
+    photo = [WP, SHUTTER]
+    assert commands(built) == [WP, TAKEOFF, MOUNT, YAW, *photo, YAW, *photo * 2, LOITER, RTL]
+
+
+def test_steep_cameras_are_turned_by_angles(plan):
+    """Straight down, a far place has no bearing."""
+    down = tuple(dataclasses.replace(w, pitch_deg=-89.0) for w in plan.waypoints)
+    built = build_missions(dataclasses.replace(plan, waypoints=down), MissionSettings())[0]
+    assert LOOK not in commands(built)
+    assert commands(built).count(YAW) == 3
+
+
+def test_a_place_to_pass_takes_one_item(plan):
+    """It is no photograph: nothing is aimed, no shutter."""
+    passing = dataclasses.replace(plan.waypoints[2], photo=False)
+    assert passing.id == 3
+    waypoints = (*plan.waypoints[:2], passing, *plan.waypoints[3:])
+    built = build_missions(dataclasses.replace(plan, waypoints=waypoints), MissionSettings())[0]
+    photo = [LOOK, WP, SHUTTER]
+    assert commands(built)[5:] == [*photo, WP, *photo, LOITER, RTL]
+
+
+@pytest.mark.parametrize(
+    ("trigger", "row"), [("distance", [EVERY, WITHIN, EVERY]), ("time", [SERIES])]
+)
+def test_a_line_is_flown_in_one_go(plan, trigger, row):
+    """Its camera is triggered along the way, its last photo taken where it is reached."""
+    routes = (dataclasses.replace(plan.routes[0], lines=(Line(0, 2),)), plan.routes[1])
+    straight = tuple(
+        dataclasses.replace(w, position_m=(30.0 * w.id, 0.0, 30.0)) for w in plan.waypoints
+    )
+    lined = dataclasses.replace(alike(plan, routes=routes), trigger=trigger)
+    lined = dataclasses.replace(
+        lined,
+        waypoints=tuple(
+            dataclasses.replace(w, position_m=s.position_m)
+            for w, s in zip(lined.waypoints, straight, strict=True)
+        ),
+    )
+    built = build_missions(lined, MissionSettings(set_speeds=False))[0]
+    assert commands(built) == [WP, TAKEOFF, MOUNT, YAW, WP, *row, WP, SHUTTER, LOITER, RTL]
+    first = built.mission.items[5]
+    if trigger == "distance":
+        assert first.params[:3] == (60.0, 0.0, 1.0)
+        assert built.mission.items[6].params[0] == 30.0
+    else:
+        assert first.params[:3] == (0.0, pytest.approx(16.25), 2.0)
+    end = 5 + len(row)
+    assert built.item_map.items == (4, end, end)
+    assert built.item_map.waypoint(end) == 2
+    assert built.item_map.next_waypoint(5) == 1
 
 
 def test_holding_sharpens_and_every_part_can_be_left_out(plan):
@@ -116,13 +210,13 @@ def test_a_reached_do_item_stands_for_the_waypoint_before_it(plan, behind):
         assert built.item_map.waypoint(seq + behind) == index
     assert built.item_map.waypoint(1) is None
     assert built.item_map.waypoint(10_000) is None
-    assert built.item_map.next_waypoint(8) == 1
+    assert built.item_map.next_waypoint(built.item_map.items[0] + 1) == 1
 
 
 def test_what_the_autopilot_would_store_unchecked_is_refused(plan):
     """Below home, too far, too many items: named with the item's number."""
     low = dataclasses.replace(plan.waypoints[0], position_m=(50.0, 0.0, -60.0))
-    with pytest.raises(MissionError, match=r"item 7: height -\d+"):
+    with pytest.raises(MissionError, match=r"item 6: height -\d+"):
         build_missions(
             dataclasses.replace(plan, waypoints=(low, *plan.waypoints[1:])), MissionSettings()
         )

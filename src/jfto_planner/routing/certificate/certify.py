@@ -27,7 +27,7 @@ from jfto_planner.routing.certificate.home import (
     home_times_s,
 )
 from jfto_planner.routing.certificate.instants import Instants, instants_of
-from jfto_planner.routing.certificate.mission_size import check_mission_size
+from jfto_planner.routing.certificate.mission_size import check_lines, check_mission_size
 from jfto_planner.routing.certificate.routes import Flown, check_routes, fly
 from jfto_world.radio import make_channel
 
@@ -70,6 +70,7 @@ def certify(
     flown = fly(plan, FINER)
     violations = check_routes(plan, flown)
     violations += _check_totals(plan, flown)
+    violations += check_lines(plan)
     violations += check_mission_size(plan)
     if ground is not None:
         violations += check_ground(plan, ground)

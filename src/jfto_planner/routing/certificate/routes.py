@@ -13,6 +13,7 @@ from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.types import Array
 from jfto_planner.routing.certificate.curves import check_curves, curves_of
 from jfto_world.motion import MotionLimits, time_model_named
+from jfto_world.motion.lines import along
 
 # Plan files round to micrometres and microseconds, and sums of them differ by more.
 TOLERANCE_M = 1e-3
@@ -80,8 +81,9 @@ def fly(plan: Plan, finer: int) -> Flown:
             arrivals.append(np.concatenate([[0.0], curves[a].waypoint_s[1:]]))
             positions.append(curves[a].at(times))
         elif model is not None:
-            arrivals.append(model.arrivals(points, limits))
-            positions.append(model.positions(points, limits, times))
+            flight = along(model, route.lines)
+            arrivals.append(flight.arrivals(points, limits))
+            positions.append(flight.positions(points, limits, times))
         lengths.append(float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum()))
     faults = tuple(check_curves(plan, curves, lines)) if curves else ()
     return Flown(tuple(arrivals), tuple(lengths), np.stack(positions, axis=1), faults)

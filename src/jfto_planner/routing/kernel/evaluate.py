@@ -19,6 +19,7 @@ from jfto_planner.routing.kernel.tables import (
     ENERGY,
     LATE,
     LENGTH,
+    OVERFULL_S,
     RADIO,
     SEPARATION,
     State,
@@ -83,6 +84,7 @@ def time_and_length(tables: Tables, cur: State, cand: State, work: Work) -> int:
         work.changed[a] = head >= 0
         if head < 0:
             arrival, flown = cur.arrival[a, cur.size[a]], cur.prefix[a, cur.size[a]]
+            count = cur.size[a]
         else:
             nothing = False
             for i in range(head + 1):
@@ -90,8 +92,10 @@ def time_and_length(tables: Tables, cur: State, cand: State, work: Work) -> int:
                 cand.prefix[a, i] = cur.prefix[a, i]
             time_route(tables, cand, a, head)
             arrival, flown = cand.arrival[a, cand.size[a]], cand.prefix[a, cand.size[a]]
+            count = cand.size[a]
             first = min(first, int(cand.arrival[a, head] / tables.slot_s) + 1)
         late += max(0.0, arrival - tables.t_max[a])
+        late += OVERFULL_S * max(0.0, count - tables.most[a])
         length += flown
     cand.total[LENGTH] = length
     cand.total[LATE] = late

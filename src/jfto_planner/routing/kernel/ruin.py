@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from jfto_planner.routing.kernel.prng import Seed, below, uniform
-from jfto_planner.routing.kernel.tables import LATE, State, Tables, Work
+from jfto_planner.routing.kernel.tables import LATE, OVERFULL_S, State, Tables, Work
 from jfto_world.compiled import inner
 
 # Figures of the paper: mean number of removed waypoints, longest string, share of split strings,
@@ -168,9 +168,10 @@ def recreate(
             legs = tables.leg[tables.speed_class[a]]
             slack = tables.t_max[a] - work.spent[a]
             count = cand.size[a]
+            full = weights[LATE] * OVERFULL_S if count >= tables.most[a] else 0.0
             here = tables.dist.shape[0] - uavs + a
             for position in range(count + 1):
-                extra = to_node[here]
+                extra = to_node[here] + full
                 there = node
                 if position < count:
                     there = np.int64(cand.seq[a, position])

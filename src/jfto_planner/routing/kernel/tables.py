@@ -13,6 +13,8 @@ from jfto_world.kernel_struct import KernelStruct
 # Entries of State.total.
 LENGTH, LATE, RADIO, SEPARATION, ENERGY = range(5)
 TOTALS = 5
+# A waypoint more than a route may have is a violation like arriving so much later.
+OVERFULL_S = 20.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,8 +28,8 @@ class Tables(KernelStruct):
     is 10 N, `hold_s` the given horizon or 0 for the makespan. `reach_exact` (A, A) is the shorter
     of both ranges, `reach` what the grid goes by, perhaps less. `near_sq` (A, A) is the squared
     distance beyond which a pair cannot meet before the next grid instant. `energy_limit`
-    (A,) is in the unit of the energy proxy (energy.py), inf while the proxy is off. `exponential`
-    is a quantile table.
+    (A,) is in the unit of the energy proxy (energy.py), inf while the proxy is off. `most` (A,) is
+    how many waypoints a route may have. `exponential` is a quantile table.
     """
 
     dist: Array
@@ -39,6 +41,7 @@ class Tables(KernelStruct):
     reach: Array
     near_sq: Array
     energy_limit: Array
+    most: Array
     reach_exact: Array
     k_min: int
     d_min: float

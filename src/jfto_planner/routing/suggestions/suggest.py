@@ -179,6 +179,9 @@ class _Trials:
             starts_m=np.vstack([problem.starts_m, pad]),
             limits=(*problem.limits, problem.limits[twin]),
             t_max_s=np.append(problem.t_max_s, problem.t_max_s[twin]),
+            most_waypoints=None
+            if problem.most_waypoints is None
+            else np.append(problem.most_waypoints, problem.most_waypoints[twin]),
             reach_m=np.append(problem.reach_m, problem.reach_m[twin]),
             closed_legs=with_twin_pad(problem, pad),
         )
