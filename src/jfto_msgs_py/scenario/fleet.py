@@ -99,6 +99,7 @@ class FleetPart:
         "are kept within it.",
         low=20,
         high=65_000,
+        later=True,
     )
 
 

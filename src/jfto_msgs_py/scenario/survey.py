@@ -199,6 +199,7 @@ class CoveragePart:
         "each: one by one; distance: by the distance flown; time: at equal times. All others are "
         "triggered one by one.",
         choices=("each", "distance", "time"),
+        later=True,
     )
     fill_gaps: bool = param(True, "Add waypoints where the regular grid leaves ground unseen.")
     heading_deg: float = param(

@@ -125,7 +125,7 @@ _NUMERIC = [key for key in KEYS.values() if key.kind == "float" and not key.arra
 
 def _is_tied(key: Key) -> bool:
     """Whether values must suit other keys too: one another's pitch, the mission's seconds."""
-    return "pitch" in key.name or key.name == "trajectory.hold_s"
+    return "pitch" in key.name or key.name in ("trajectory.hold_s", "area.buffer_m")
 
 
 @settings(deadline=None, max_examples=150, derandomize=True)
