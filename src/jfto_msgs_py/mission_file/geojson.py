@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from typing import Any
 
 from jfto_msgs_py.mission_file.csv_points import reference
@@ -14,7 +13,6 @@ from jfto_msgs_py.mission_file.points import Above, FilePoint, PointDocument, nu
 _REFERENCE = "height_reference"
 _SAID_NOWHERE = {"agl_m", _REFERENCE, *PHOTO}
 _AREAS = ("Polygon", "MultiPolygon")
-_METRES_PER_DEGREE = 111_195.0
 
 
 def read_geojson(text: str, source: str) -> PointDocument:
@@ -101,7 +99,10 @@ class _Reader:
         elif kind == "MultiPoint" and isinstance(coordinates, list):
             points = [(f"{place}, point {k}", item) for k, item in enumerate(coordinates)]
         elif kind in _AREAS:
-            raise MissionTextError(_area_text(kind, coordinates, place))
+            raise MissionTextError(
+                f"{place}: is a {kind!r}, an area; waypoints are of type Point. To photograph it, "
+                "set waypoints.source to coverage and area.file to this file."
+            )
         else:
             raise MissionTextError(
                 f"{place}: is a {str(kind)[:40]!r}, waypoints are of type Point. Export vertices "
@@ -135,29 +136,3 @@ class _Reader:
         if told:
             above = reference(str(told), _REFERENCE, place)
         return FilePoint(place, (lat_deg, lon_deg), height_m, above, *angles(properties, place))
-
-
-def _area_text(kind: str, coordinates: Any, place: str) -> str:
-    """That an area is no waypoint, and the rectangle with which it can be covered."""
-    text = f"{place}: is a {kind!r}, an area; waypoints are of type Point. "
-    corners = _corners(coordinates)
-    if not corners:
-        return f"{text}Export its photo positions as points."
-    lon, lat = (sorted(values) for values in zip(*corners, strict=True))
-    middle = ((lat[0] + lat[-1]) / 2, (lon[0] + lon[-1]) / 2)
-    north_m = (lat[-1] - lat[0]) * _METRES_PER_DEGREE
-    east_m = (lon[-1] - lon[0]) * _METRES_PER_DEGREE * math.cos(math.radians(middle[0]))
-    return (
-        f"{text}To photograph it, set waypoints.source to coverage and give the rectangle around "
-        f"it: terrain.center_deg [{middle[0]:.5f}, {middle[1]:.5f}], terrain.size_m "
-        f"[{math.ceil(east_m)}.0, {math.ceil(north_m)}.0]."
-    )
-
-
-def _corners(coordinates: Any) -> list[tuple[float, float]]:
-    """Longitude and latitude of all positions in nested lists, none where one is no number."""
-    if not isinstance(coordinates, list) or not coordinates:
-        return []
-    if all(isinstance(value, int | float) and abs(value) <= 180 for value in coordinates[:2]):
-        return [(float(coordinates[0]), float(coordinates[1]))] if len(coordinates) > 1 else []
-    return [corner for part in coordinates for corner in _corners(part)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import lzma
 import zipfile
 import zlib
 from collections.abc import Iterator
@@ -16,6 +17,8 @@ from jfto_msgs_py.mission_file.document import MissionTextError
 LARGEST_BYTES = 64 * 2**20
 _DEEPEST = 100
 _ZIP = b"PK\x03\x04"
+# What the unpacking of damaged archives ends in.
+_BROKEN = (zipfile.BadZipFile, zlib.error, lzma.LZMAError, EOFError, OSError, RuntimeError)
 
 
 class _NoDoctype(ET.TreeBuilder):
@@ -95,7 +98,7 @@ def members(data: bytes, source: str) -> dict[str, bytes]:
                         "MiB once unpacked. Split it."
                     )
                 found[entry.filename] = text
-    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError) as error:
+    except (*_BROKEN, ValueError) as error:
         raise MissionTextError(
             f"{source}: cannot be unpacked: {str(error)[:80]}. Export it again without a password."
         ) from None

@@ -25,6 +25,11 @@ class Row:
 
     def number(self, column: str) -> float:
         """The number in a column. Raises MissionTextError."""
+        if column not in self.cells:
+            raise MissionTextError(
+                f"{self.place}: needs the column {column}, which the header lacks. Add it, or "
+                "export the file again."
+            )
         return number(self.cells[column], column, self.place)
 
 

@@ -18,8 +18,10 @@ from jfto_mavlink.mission.limits import MissionLimits, check_limits
 from jfto_mavlink.mission.settings import settings_for
 from jfto_mavlink.protocol.item import Mission
 from jfto_msgs_py.errors import WaypointError
+from jfto_msgs_py.mission_file import FORMATS, GeoPlan, GeoRoute, GeoStop
+from jfto_msgs_py.mission_file.safe_xml import members
 from jfto_msgs_py.text_encoding import read_foreign_text
-from jfto_planner.coverage import read_waypoint_set
+from jfto_planner.coverage import Assumed, read_waypoint_set
 from jfto_world.terrain import load_dem
 from support.mutated_missions import count_held, mutated
 
@@ -30,6 +32,11 @@ FENCE = Fence(
     (46.2, 7.6),
 )
 RALLY = (RallyPoint((46.2, 7.6), 30.0),)
+_HOME = (46.2, 7.6, 1500.0)
+_STOPS = tuple(
+    GeoStop(k, (46.2 + 2e-4 * k, 7.6, 1600.0), 40.0 * k, -90.0 + 10 * k) for k in range(4)
+)
+_ROUTE = GeoPlan("mutated", (GeoRoute("uav1", _STOPS, _HOME),))
 
 
 @pytest.fixture(scope="module")
@@ -130,18 +137,22 @@ def test_mutated_files_are_read_whole_or_refused(sources, dem, tmp_path):
 
 
 def run_tables(count, seed, dem, folder):
-    """Mutated GeoJSON and CSV files: how many are read."""
+    """Mutated tables, points and routes of every format that is written: how many are read."""
     rng = random.Random(seed)
     table = "lat\tlon,alt,heading\n46.2,7.6,1580,90\n46.2001,7.6,1580,10\n".replace("\t", ",")
     sources = [(".geojson", path.read_bytes()) for path in sorted(CASES.glob("*.geojson"))]
     sources.append((".csv", table.encode()))
+    sources += [(form.suffixes[0], form.write(_ROUTE)) for form in FORMATS if form.write]
+    packed = next(data for name, data in sources if name == ".kmz" and b"wpmz" in data)
+    sources.append((".wpml", members(packed, "w.kmz")["wpmz/waylines.wpml"]))
     read = 0
     for number in range(count):
         suffix, content = sources[rng.randrange(len(sources))]
         path = folder / f"w{suffix}"
         path.write_bytes(mutated(content, suffix, rng))
         try:
-            given, told = outcome(partial(read_waypoint_set, path, dem), WaypointError)
+            assumed = Assumed((46.2, 7.6), 50.0)
+            given, told = outcome(partial(read_waypoint_set, path, dem, assumed), WaypointError)
         except Exception as error:
             error.add_note(f"file {number} of seed {seed}: {path.read_bytes()[:3000]!r}")
             raise
@@ -151,8 +162,8 @@ def run_tables(count, seed, dem, folder):
 
 
 def test_mutated_tables_and_points(dem, tmp_path):
-    """300 CSV and GeoJSON files: read or refused by name."""
-    assert 10 < run_tables(300, 1, dem, tmp_path) < 290
+    """1000 tables, points, KML, waylines and archives: read or refused by name."""
+    assert 30 < run_tables(1000, 1, dem, tmp_path) < 970
 
 
 @pytest.mark.slow

@@ -219,8 +219,10 @@ def test_geojson_of_other_programs(tmp_path, dem):
 
 
 def test_an_area_is_told_from_waypoints(dem):
-    """The refusal gives the rectangle around it, ready to be set."""
-    with pytest.raises(WaypointError, match=r"an area;.*center_deg \[46\.20000, 7\.60000\]"):
+    """The refusal says how it is photographed."""
+    with pytest.raises(
+        WaypointError, match=r"an area;.*set waypoints\.source to coverage and area"
+    ):
         read_waypoints(CASES / "12-area.geojson", dem)
 
 
