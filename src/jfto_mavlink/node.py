@@ -10,12 +10,12 @@ from contextlib import ExitStack
 from functools import partial
 from typing import Any
 
-from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.task import Future
 from sensor_msgs.msg import BatteryState, NavSatFix
+from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 
@@ -50,8 +50,8 @@ from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.clock import TickedClock
 from jfto_msgs_py.ros.diagnostics import Status
 from jfto_msgs_py.ros.graph_node import GraphNode
+from jfto_msgs_py.ros.lift_off import encode_lift_off
 from jfto_msgs_py.ros.opening import Opening
-from jfto_msgs_py.ros.stamps import encode_time
 from jfto_msgs_py.ros.vehicle import decode_trajectory, encode_pose
 from jfto_msgs_py.scenario import Scenario
 
@@ -106,7 +106,7 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
         self._poses = per_uav(PoseStamped, topics.pose)
         self._fixes = per_uav(NavSatFix, topics.fix)
         self._batteries = per_uav(BatteryState, topics.battery)
-        self._lift_off = self.create_lifecycle_publisher(Time, topics.LIFT_OFF, qos.latched())
+        self._lift_off = self.create_lifecycle_publisher(Header, topics.LIFT_OFF, qos.latched())
         for uav in ids:
             self.create_subscription(
                 MultiDOFJointTrajectory,
@@ -174,7 +174,7 @@ class MavlinkBridgeNode(GraphNode[BridgeOptions]):
             self._take,
             self._report,
             self._tell,
-            lambda begun_ns: self._lift_off.publish(encode_time(begun_ns)),
+            lambda tag, begun_ns: self._lift_off.publish(encode_lift_off(begun_ns, tag)),
         )
         ground = None
         if options.check_terrain and ground_of is not None:

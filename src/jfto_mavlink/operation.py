@@ -41,7 +41,7 @@ from jfto_mavlink.protocol.exchange import Context
 from jfto_mavlink.protocol.setup import rates_for
 from jfto_mavlink.protocol.timesync import PacedClock
 from jfto_msgs_py.errors import JftoError, PlanError
-from jfto_msgs_py.plan_file import read_plan
+from jfto_msgs_py.plan_file import plan_tag, read_plan
 from jfto_msgs_py.records.event import ERROR, INFO, Event
 from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.records.vehicle import VehiclePose
@@ -61,7 +61,8 @@ class NodeSide:
     """The node's time, and what it is told: `incoming` and `report` in threads of the link.
 
     `now_ns` is the graph's time, `clock` the same in seconds where vehicles are to keep it, None
-    where they keep the wall's. `lift_off` is called with the fleet's time zero (ns).
+    where they keep the wall's. `lift_off` is called with the plan's tag and
+    the fleet's time zero (ns).
     """
 
     now_ns: Callable[[], int]
@@ -69,7 +70,7 @@ class NodeSide:
     incoming: Callable[[Incoming], None]
     report: Reporter
     tell: Callable[[Event], None]
-    lift_off: Callable[[int], None]
+    lift_off: Callable[[str, int], None]
 
 
 def real_roster(options: BridgeOptions, uavs: tuple[str, ...]) -> Roster:
@@ -215,7 +216,7 @@ class Operation:
             Path(options.state_file) if options.state_file else None,
             link.lost_after_s,
             node.tell,
-            node.lift_off,
+            partial(node.lift_off, plan_tag(plan)),
             self,
             guided=orders.guided,
         )

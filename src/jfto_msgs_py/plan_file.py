@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import itertools
 import json
 from collections.abc import Iterator, Mapping, Sequence
@@ -66,6 +67,16 @@ def read_plan(path: str | Path) -> Plan:
 def rounded(plan: Plan) -> Plan:
     """The plan exactly as it will be read back; certify this one, not what the search held."""
     return plan_of_text(plan_text(plan), Path("plan"))
+
+
+def plan_tag(plan: Plan) -> str:
+    """What tells a plan from any other in a few characters; the same on every computer."""
+    return text_digest(plan_text(plan))[:16]
+
+
+def text_digest(text: str) -> str:
+    """SHA-256 of a plan's text, as hexadecimal digits."""
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def plan_text(plan: Plan) -> str:

@@ -19,8 +19,8 @@ from jfto_msgs_py.records.vehicle import VehiclePose
 from jfto_msgs_py.ros import topics
 from jfto_msgs_py.ros.air import encode_air
 from jfto_msgs_py.ros.events import encode_event
+from jfto_msgs_py.ros.lift_off import encode_lift_off
 from jfto_msgs_py.ros.network import encode_adjacency
-from jfto_msgs_py.ros.stamps import encode_time
 from jfto_msgs_py.ros.vehicle import encode_pose
 from jfto_msgs_py.units import w_to_dbm
 from jfto_planner.plan_trajectory import timed_trajectories
@@ -106,8 +106,8 @@ class FlightBag:
 
     def lift_off(self) -> None:
         """The bridge's word that the flight began."""
-        kind = "builtin_interfaces/msg/Time"
-        self.put(topics.LIFT_OFF, kind, 0.0, encode_time(START_NS))
+        kind = "std_msgs/msg/Header"
+        self.put(topics.LIFT_OFF, kind, 0.0, encode_lift_off(START_NS, "0" * 16))
 
     def powers(self, plan: Plan, power_w: NDArray[np.float64], *, applied: bool = False) -> None:
         """Setpoints (N + 1, A) at the plan's slots, or what radios say that they are set to."""

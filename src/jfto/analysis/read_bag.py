@@ -27,6 +27,7 @@ from jfto.analysis.record import (
 from jfto.bag.contents import BagError, BagMessage
 from jfto.bag.reader import Bag
 from jfto_msgs_py.errors import InputError, MessageError
+from jfto_msgs_py.plan_file import plan_tag
 from jfto_msgs_py.records.event import Event
 from jfto_msgs_py.records.network import Adjacency, PowerSchedule
 from jfto_msgs_py.records.plan import Plan
@@ -34,6 +35,7 @@ from jfto_msgs_py.ros import topics
 from jfto_msgs_py.ros.air import decode_air_array
 from jfto_msgs_py.ros.diagnostics import OK, Diagnostics, Status, decode_diagnostics
 from jfto_msgs_py.ros.events import decode_event
+from jfto_msgs_py.ros.lift_off import decode_lift_off
 from jfto_msgs_py.ros.network import decode_adjacency, decode_power_schedule
 from jfto_msgs_py.ros.stamps import decode_time
 from jfto_msgs_py.ros.vehicle import decode_pose
@@ -89,7 +91,7 @@ class _Reading:
         self._clock: list[tuple[int, int]] = []
         self._power: dict[tuple[str, str], list[tuple[int, float]]] = defaultdict(list)
         self._starts: list[int] = []
-        self._lift_offs: list[int] = []
+        self._lift_offs: list[tuple[int, str]] = []
         self._air: dict[str, list[tuple[int, NDArray[np.float64]]]] = defaultdict(list)
         self._adjacency: list[Adjacency] = []
         self._schedules: list[PowerSchedule] = []
@@ -100,7 +102,7 @@ class _Reading:
     def _takers(self) -> dict[str, Callable[[BagMessage, Any], None]]:
         """What is done with a message of each topic."""
         found: dict[str, Callable[[BagMessage, Any], None]] = {
-            topics.LIFT_OFF: lambda _, m: self._lift_offs.append(decode_time(m, "lift_off")),
+            topics.LIFT_OFF: lambda _, m: self._lift_offs.append(decode_lift_off(m)),
             topics.EVENTS: lambda _, m: self._events.append(decode_event(m)),
             topics.ADJACENCY: lambda _, m: self._adjacency.append(decode_adjacency(m)),
             topics.POWER_SCHEDULE: lambda _, m: self._schedules.append(decode_power_schedule(m)),
@@ -178,7 +180,10 @@ class _Reading:
 
     def _lift_off(self, path: Path) -> tuple[int, str]:
         if self._lift_offs:
-            return self._lift_offs[-1], "as the vehicles' bridge announced it"
+            # Of another graph on the domain, where this plan's own was recorded too.
+            tag = plan_tag(self.plan)
+            own = [each for each in self._lift_offs if each[1] == tag] or self._lift_offs
+            return own[-1][0], "as the vehicles' bridge announced it"
         planned_ns = max(self._starts, default=None)
         seen_ns = seen_lift_off_ns(self._poses, self.plan)
         if seen_ns is not None and (planned_ns is None or abs(seen_ns - planned_ns) > _APART_NS):

@@ -9,7 +9,6 @@ from functools import partial
 from typing import Any
 
 import rclpy
-from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped
 from rcl_interfaces.msg import Log
@@ -18,19 +17,20 @@ from rclpy.parameter import Parameter
 from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import BatteryState
-from std_msgs.msg import Float64, UInt8MultiArray
+from std_msgs.msg import Float64, Header, UInt8MultiArray
 from std_srvs.srv import Trigger
 
 from jfto.flight.fleet_status import FleetStatus, GraphStatus
 from jfto.flight.screen.tracker import FlightTracker
 from jfto_msgs_py.errors import InputError, MessageError
+from jfto_msgs_py.plan_file import plan_tag
 from jfto_msgs_py.records.event import Event
 from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.diagnostics import decode_diagnostics
 from jfto_msgs_py.ros.events import decode_event, encode_event
+from jfto_msgs_py.ros.lift_off import lift_off_of
 from jfto_msgs_py.ros.network import decode_adjacency
-from jfto_msgs_py.ros.stamps import decode_time
 from jfto_msgs_py.ros.vehicle import decode_pose
 
 NODE_NAME = "conductor"
@@ -56,7 +56,7 @@ class Client:
     ) -> None:
         self.graph = GraphStatus(tuple(uav.id for uav in plan.uavs))
         self._node, self._executor, self._tracker = node, executor, tracker
-        self._answered = answered
+        self._answered, self._plan_tag = answered, plan_tag(plan)
         # Whether the bridge has told how the flights of all ended.
         self.fleet_ended = False
         # Made before they are needed: who is found first must not be looked for in an emergency.
@@ -75,7 +75,7 @@ class Client:
         subscribe = node.create_subscription
         subscribe(DiagnosticArray, topics.DIAGNOSTICS, self._on_diagnostics, qos.default())
         subscribe(Log, topics.EVENTS, self._on_event, qos.events())
-        subscribe(Time, topics.LIFT_OFF, self._on_lift_off, qos.latched())
+        subscribe(Header, topics.LIFT_OFF, self._on_lift_off, qos.latched())
         subscribe(UInt8MultiArray, topics.ADJACENCY, self._on_adjacency, qos.latched())
         for uav in (each.id for each in plan.uavs):
             on_pose = partial(self._poses.__setitem__, uav)
@@ -157,7 +157,7 @@ class Client:
         self._kept(take)
 
     def _on_lift_off(self, message: Any) -> None:
-        self._kept(lambda: self._tracker.take_lift_off(decode_time(message, "lift_off")))
+        self._kept(lambda: self._tracker.take_lift_off(lift_off_of(message, self._plan_tag)))
 
     def _on_adjacency(self, message: Any) -> None:
         self._kept(lambda: self._tracker.take_adjacency(decode_adjacency(message)))

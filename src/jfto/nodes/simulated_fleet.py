@@ -13,7 +13,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from builtin_interfaces.msg import Time as TimeMessage
 from geometry_msgs.msg import PoseStamped
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
@@ -26,13 +25,14 @@ from jfto.node_options import SimulatedFleetOptions
 from jfto.simulation.fleet import FleetTime, fleet_air, vehicle_configs
 from jfto.simulation.pace import FleetPace, PacedFlight, PaceSettings
 from jfto_msgs_py.errors import InputError, PlanError
-from jfto_msgs_py.plan_file import read_plan
+from jfto_msgs_py.plan_file import plan_tag, read_plan
 from jfto_msgs_py.records.event import INFO, Event
 from jfto_msgs_py.records.event import WARN as WARNED
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.air import ARRAY_OF_TOPIC, encode_air
 from jfto_msgs_py.ros.diagnostics import OK, WARN, Status
 from jfto_msgs_py.ros.graph_node import GraphNode
+from jfto_msgs_py.ros.lift_off import lift_off_of
 from jfto_msgs_py.ros.network import decode_adjacency
 from jfto_msgs_py.ros.opening import Opening
 from jfto_msgs_py.ros.stamps import decode_time
@@ -94,7 +94,8 @@ class SimulatedFleetNode(GraphNode[SimulatedFleetOptions]):
             return
         self.create_subscription(Header, topics.CLOCK_TAKEN, self._on_report, qos.reports())
         self._lift_off_ns = self._told_lift_off_ns = 0
-        self.create_subscription(TimeMessage, topics.LIFT_OFF, self._on_lift_off, qos.latched())
+        self._plan_tag = ""
+        self.create_subscription(Header, topics.LIFT_OFF, self._on_lift_off, qos.latched())
         self.create_subscription(
             UInt8MultiArray, topics.ADJACENCY, self._on_adjacency, qos.latched()
         )
@@ -114,7 +115,7 @@ class SimulatedFleetNode(GraphNode[SimulatedFleetOptions]):
 
     def _on_lift_off(self, message: Any) -> None:
         """Wait for the slots that are counted from here: planner and topology are told anew."""
-        decode = partial(decode_time, field="lift_off")
+        decode = partial(lift_off_of, plan_tag=self._plan_tag)
         lift_off_ns = self.intake.take(topics.LIFT_OFF, decode, message)
         # A bridge that is started again tells the same once more.
         if lift_off_ns is not None and lift_off_ns != self._told_lift_off_ns:
@@ -157,6 +158,7 @@ class SimulatedFleetNode(GraphNode[SimulatedFleetOptions]):
         if not path.exists():
             raise PlanError(f"{path} is not there yet.")
         plan = read_plan(path)
+        self._plan_tag = plan_tag(plan)
         dem = None if self._dem_of is None else self._dem_of(scenario)
         # Before the time of power-up is read: an empty compiler cache takes a minute to fill.
         warm_up()

@@ -191,11 +191,12 @@ TOPICS = (
     ),
     Topic(
         topics.LIFT_OFF,
-        "builtin_interfaces/msg/Time",
+        "std_msgs/msg/Header",
         qos.latched,
         (_BRIDGE,),
         (_PLANNER, _FLEET),
-        "when the flight began: time zero of the plan; once per flight",
+        "when the flight began: time zero of the plan; once per flight. `frame_id` is the plan's "
+        "tag: that of another plan is refused",
     ),
     Topic(
         topics.CLOCK,

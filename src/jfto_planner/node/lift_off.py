@@ -5,13 +5,12 @@ That is kept on disk, so that a restarted planner keeps to it.
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from jfto_msgs_py.errors import MessageError
 from jfto_msgs_py.files import FileKind, read_record, read_text, write_record
-from jfto_msgs_py.plan_file import PLAN, plan_of_text, plan_text
+from jfto_msgs_py.plan_file import PLAN, plan_of_text, plan_text, text_digest
 from jfto_msgs_py.records.plan import Plan
 from jfto_planner.options import PlannerOptions
 
@@ -121,7 +120,7 @@ class LiftOff:
 
 def write_lift_off(plan: Plan, state: LiftOffState, path: Path) -> None:
     """Write a plan's lift-off; raises InputError."""
-    write_record(replace(state, plan_sha256=_digest(plan_text(plan))), path, _FILE)
+    write_record(replace(state, plan_sha256=text_digest(plan_text(plan))), path, _FILE)
 
 
 def read_lift_off(plan: Plan, path: Path) -> LiftOffState | None:
@@ -130,7 +129,9 @@ def read_lift_off(plan: Plan, path: Path) -> LiftOffState | None:
     Raises InputError where it is no such file.
     """
     state = _read(path)
-    return state if state is not None and state.plan_sha256 == _digest(plan_text(plan)) else None
+    return (
+        state if state is not None and state.plan_sha256 == text_digest(plan_text(plan)) else None
+    )
 
 
 def sound_plan(plan_file: Path, path: Path) -> Plan | None:
@@ -140,13 +141,9 @@ def sound_plan(plan_file: Path, path: Path) -> Plan | None:
     """
     text = read_text(plan_file, PLAN.error, PLAN.what, PLAN.size_limit)
     state = _read(path)
-    is_same = state is not None and state.plan_sha256 == _digest(text)
+    is_same = state is not None and state.plan_sha256 == text_digest(text)
     return plan_of_text(text, plan_file) if is_same else None
 
 
 def _read(path: Path) -> LiftOffState | None:
     return read_record(path, LiftOffState, _FILE) if path.exists() else None
-
-
-def _digest(text: str) -> str:
-    return hashlib.sha256(text.encode()).hexdigest()

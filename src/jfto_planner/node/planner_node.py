@@ -6,15 +6,15 @@ from collections.abc import Callable
 from pathlib import Path as FilePath
 from typing import Any
 
-from builtin_interfaces.msg import Time
 from nav_msgs.msg import Path
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.task import Future
+from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 
 from jfto_msgs_py.errors import InfeasibleError, InputError, JftoError, MessageError, PlanError
-from jfto_msgs_py.plan_file import read_plan, write_plan
+from jfto_msgs_py.plan_file import plan_tag, read_plan, write_plan
 from jfto_msgs_py.records.event import INFO as TOLD
 from jfto_msgs_py.records.event import WARN as WARNED
 from jfto_msgs_py.records.event import Event
@@ -22,7 +22,7 @@ from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.diagnostics import ERROR, OK, WARN, Status
 from jfto_msgs_py.ros.graph_node import GraphNode
-from jfto_msgs_py.ros.stamps import decode_time
+from jfto_msgs_py.ros.lift_off import decode_lift_off, lift_off_of
 from jfto_msgs_py.ros.vehicle import encode_path, encode_trajectory
 from jfto_msgs_py.scenario import Scenario
 from jfto_planner.node.lift_off import LiftOff, sound_plan
@@ -50,7 +50,7 @@ class PlannerNode(GraphNode[PlannerOptions]):
         self._load = load
         self._plan: Plan | None = None
         self._lift_off: LiftOff | None = None
-        self._heard_ns: int | None = None
+        self._heard: Any = None
         self._made = False
         self._job: PlanJob | None = None
         self._planned_for: Scenario | None = None
@@ -80,7 +80,7 @@ class PlannerNode(GraphNode[PlannerOptions]):
         self.create_service(
             Trigger, topics.REPLAN, self._on_replan, callback_group=ReentrantCallbackGroup()
         )
-        self.create_subscription(Time, topics.LIFT_OFF, self._on_lift_off, qos.latched())
+        self.create_subscription(Header, topics.LIFT_OFF, self._on_lift_off, qos.latched())
         self.create_timer(_KEEP_AHEAD_S, self._keep_ahead)
         self._finished = self.create_guard_condition(self._on_finished)
         # Where simulated time has not begun, a finished plan waits for it.
@@ -122,7 +122,7 @@ class PlannerNode(GraphNode[PlannerOptions]):
 
         if fresh:
             # What was heard was the lift-off of another plan.
-            self._heard_ns = None
+            self._heard = None
         self._trouble, self._made = "", not load
         self._job = PlanJob(work, self._finished.trigger)
 
@@ -166,27 +166,26 @@ class PlannerNode(GraphNode[PlannerOptions]):
             raise InfeasibleError(f"The plan breaks its constraints and is not published. {first}")
         self._lift_off = LiftOff(plan, self._options, self.now_ns(), made_now=self._made)
         self._plan, self._planned_for = plan, self._scenario
-        if self._heard_ns is not None and self._anchor(self._heard_ns):
+        if self._heard is not None and self._anchor(self._heard):
             # A planner that starts anew in mid-flight tells nobody of a provisional start.
             return
         self.get_logger().info(self._summary())
         self._publish()
 
     def _on_lift_off(self, message: Any) -> None:
-        heard_ns = self.intake.take(
-            topics.LIFT_OFF, lambda stamp: decode_time(stamp, "lift_off"), message
-        )
-        if heard_ns is None:
+        if self.intake.take(topics.LIFT_OFF, decode_lift_off, message) is None:
             return
-        self._heard_ns = heard_ns
+        self._heard = message
         if self._lift_off is not None:
-            self._anchor(heard_ns)
+            self._anchor(message)
 
-    def _anchor(self, heard_ns: int) -> bool:
+    def _anchor(self, message: Any) -> bool:
         """Count the plan from when the fleet lifted off, and tell all; whether that was news."""
+        assert self._plan is not None
         assert self._lift_off is not None
         before_ns, awaited = self._lift_off.start_ns, self._lift_off.awaited
         try:
+            heard_ns = lift_off_of(message, plan_tag(self._plan))
             if not self._lift_off.hear(heard_ns, self.now_ns()):
                 return False
         except MessageError as error:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import pytest
-from builtin_interfaces.msg import Time
 from rcl_interfaces.msg import Log
+from std_msgs.msg import Header
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 
 from jfto_msgs_py.errors import InputError, MessageError
-from jfto_msgs_py.plan_file import write_plan
+from jfto_msgs_py.plan_file import plan_tag, write_plan
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.events import decode_event
-from jfto_msgs_py.ros.stamps import encode_time
+from jfto_msgs_py.ros.lift_off import encode_lift_off
 from jfto_msgs_py.ros.vehicle import decode_trajectory
 from jfto_msgs_py.scenario import Given, make_scenario
 from jfto_planner.node.lift_off import LiftOff
@@ -121,13 +121,13 @@ def test_the_planner_republishes_when_the_fleet_lifts_off() -> None:
             for uav in IDS
         }
         heard = graph.collect(Log, topics.EVENTS, qos.events())
-        bridge = graph.observer.create_publisher(Time, topics.LIFT_OFF, qos.latched())
+        bridge = graph.observer.create_publisher(Header, topics.LIFT_OFF, qos.latched())
         graph.at(0.0)
         graph.until(lambda: all(got.values()))
         assert decode_trajectory(got["uav1"][0]).start_ns >= at(3600.0)
         graph.at(30.0)
         for lift_off_s in (28.5, 28.5, 5000.0):
-            bridge.publish(encode_time(at(lift_off_s)))
+            bridge.publish(encode_lift_off(at(lift_off_s), plan_tag(PLAN)))
             graph.until(lambda: heard)
         graph.until(lambda: len(heard) == 2)
         starts = {uav: [decode_trajectory(each).start_ns for each in got[uav]] for uav in IDS}
@@ -142,8 +142,8 @@ def test_a_planner_that_starts_in_mid_flight_publishes_the_flight_s_own_start(tm
     """Without a state file, from the latched lift-off: trajectories begin there from the first."""
     write_plan(PLAN, tmp_path / "plan.json")
     with Graph() as graph:
-        bridge = graph.observer.create_publisher(Time, topics.LIFT_OFF, qos.latched())
-        bridge.publish(encode_time(at(3.0)))
+        bridge = graph.observer.create_publisher(Header, topics.LIFT_OFF, qos.latched())
+        bridge.publish(encode_lift_off(at(3.0), plan_tag(PLAN)))
         node = graph.add(
             PlannerNode,
             use_sim_time=True,
@@ -151,8 +151,35 @@ def test_a_planner_that_starts_in_mid_flight_publishes_the_flight_s_own_start(tm
             plan_file=str(tmp_path / "plan.json"),
         )
         got = graph.collect(MultiDOFJointTrajectory, topics.trajectory("uav1"), qos.latched())
-        graph.until(lambda: node._heard_ns is not None)
+        graph.until(lambda: node._heard is not None)
         graph.at(60.0)
         graph.until(lambda: got)
         starts = [decode_trajectory(each).start_ns for each in got]
     assert starts == [at(3.0)]
+
+
+def test_the_lift_off_of_another_plan_is_refused_and_told(tmp_path) -> None:
+    """A stale or foreign one on the same domain moves nothing; the own one still does."""
+    write_plan(PLAN, tmp_path / "plan.json")
+    with Graph() as graph:
+        graph.add(
+            PlannerNode,
+            use_sim_time=True,
+            await_lift_off=True,
+            plan_file=str(tmp_path / "plan.json"),
+        )
+        got = graph.collect(MultiDOFJointTrajectory, topics.trajectory("uav1"), qos.latched())
+        heard = graph.collect(Log, topics.EVENTS, qos.events())
+        other = graph.observer.create_publisher(Header, topics.LIFT_OFF, qos.latched())
+        graph.at(30.0)
+        graph.until(lambda: got)
+        other.publish(encode_lift_off(at(29.0), "0123456789abcdef"))
+        graph.until(lambda: heard)
+        assert len(got) == 1
+        other.publish(encode_lift_off(at(28.0), plan_tag(PLAN)))
+        graph.until(lambda: len(got) == 2)
+    assert decode_trajectory(got[1]).start_ns == at(28.0)
+    refused = decode_event(heard[0])
+    assert refused.kind == "lift_off"
+    assert "is of another plan (0123456789abcdef" in refused.text
+    assert "ROS_DOMAIN_ID" in refused.text
