@@ -21,7 +21,7 @@ from jfto_world.terrain import packed
 from jfto_world.terrain.height_reference import DeclaredHeights, height_reference
 from jfto_world.terrain.mosaic_file import check_mosaic
 from jfto_world.terrain.products import product_of
-from jfto_world.terrain.raster import Raster
+from jfto_world.terrain.raster import Raster, apply_affine
 
 AS_IN_FILE = DeclaredHeights()
 
@@ -210,9 +210,10 @@ def _crs(dataset: rasterio.DatasetReader, path: Path) -> CRS:
 
 def _check_place(dataset: rasterio.DatasetReader, crs: CRS, path: Path) -> None:
     """Refuse metres that are said to be degrees, and degrees that are said to be metres."""
-    a, b, c, d, e, f = dataset.transform[:6]
-    cell = min(math.hypot(a, d), math.hypot(b, e))
-    corner = max(abs(c), abs(f), abs(dataset.bounds.right), abs(dataset.bounds.bottom))
+    transform = dataset.transform
+    cell = min(math.hypot(transform.a, transform.d), math.hypot(transform.b, transform.e))
+    corners = np.array([[0, dataset.width] * 2, [0] * 2 + [dataset.height] * 2], dtype=np.float64)
+    corner = float(np.abs(apply_affine(transform, *corners)).max())
     horizontal = _horizontal(crs)
     if horizontal.is_geographic:
         degrees = math.degrees(horizontal.axis_info[0].unit_conversion_factor)

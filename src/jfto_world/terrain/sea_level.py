@@ -14,6 +14,9 @@ from jfto_world.terrain.geoid import geoid_height, geoid_name
 from jfto_world.terrain.layer import Heights, Layer
 from jfto_world.terrain.overlap import Overlap
 
+# Places move by millimetres as their heights become known, which takes them off the last cell.
+_SLACK_CELLS = 0.01
+
 
 def altitudes_under(
     layers: Sequence[Layer], grid: AreaGrid, frame: LocalFrame, zero_is_void: bool, name: str
@@ -24,33 +27,34 @@ def altitudes_under(
     TerrainError for places without a height in any.
     """
     lat, lon = grid.lat, grid.lon
-    beyond = 0.0 if len(layers) == 1 else SEAM_CELLS
     parts: list[tuple[Layer, Heights]] = []
-    overlap = Overlap()
-    found = np.full(lat.shape, np.nan)
     for layer in layers:
-        here = layer.covers(lat, lon, beyond)
-        if not here.any():
-            continue
-        read = layer.heights(
-            lat[here], lon[here], grid.spacing_m, layer.cell_m(frame), zero_is_void
-        )
-        heights = _within(layer, _at_sea_level(layer, read), beyond)
-        heights_here = heights(lat, lon)
-        if parts:
-            overlap.compare((parts[0][0].name, found), (layer.name, heights_here))
-        found = np.where(np.isnan(found), heights_here, found)
-        parts.append((layer, heights))
-    _check_whole(found, grid, zero_is_void, name)
+        here = layer.covers(lat, lon, SEAM_CELLS)
+        if here.any():
+            cell_m = layer.cell_m(frame)
+            read = layer.heights(lat[here], lon[here], grid.spacing_m, cell_m, zero_is_void)
+            parts.append((layer, _at_sea_level(layer, read)))
+    overlap = Overlap()
+    if len(parts) > 1:
+        first, *others = [
+            (layer.name, _within(layer, read, 0.0)(lat, lon)) for layer, read in parts
+        ]
+        for other in others:
+            overlap.compare(first, other)
+    # Beyond its outermost cells a layer is taken only where no other has a height.
+    ranked = [_within(layer, read, 0.0) for layer, read in parts]
+    if len(parts) > 1:
+        ranked += [_within(layer, read, SEAM_CELLS) for layer, read in parts]
 
     def altitudes(lat_deg: Array, lon_deg: Array) -> Array:
-        result = parts[0][1](lat_deg, lon_deg)
-        for _, heights in parts[1:]:
+        result = np.full(lat_deg.shape, np.nan)
+        for heights in ranked:
             missing = np.isnan(result)
             if missing.any():
                 result[missing] = heights(lat_deg[missing], lon_deg[missing])
         return result
 
+    _check_whole(altitudes(lat, lon), grid, zero_is_void, name)
     return altitudes, overlap.notes()
 
 
@@ -69,11 +73,12 @@ def datum_of(layer: Layer, frame: LocalFrame) -> tuple[str, tuple[str, ...]]:
 
 def _within(layer: Layer, heights: Heights, beyond: float) -> Heights:
     """Heights, NaN where the layer doesn't reach."""
+    slack = beyond + _SLACK_CELLS
 
     def limited(lat: Array, lon: Array) -> Array:
-        return np.where(layer.covers(lat, lon, beyond), heights(lat, lon), np.nan)
+        return np.where(layer.covers(lat, lon, slack), heights(lat, lon), np.nan)
 
-    return limited if beyond else heights
+    return limited
 
 
 def _at_sea_level(layer: Layer, heights: Heights) -> Heights:
