@@ -26,7 +26,7 @@ def main(vehicles: str = "sim") -> None:
     """Plan, upload to all vehicles at once, and compare what each of them holds."""
     scenario = jfto.load_scenario(HERE / "valley.yaml")
     plan = jfto.plan(scenario, seed=1)
-    ground = load_ground(scenario).height  # each leg is held against the terrain
+    ground = load_ground(scenario).top_height  # each leg is held against the terrain
     built = build_missions(plan, settings_for(plan), ground=ground)
     missions = {each.uav: each.mission for each in built}
 

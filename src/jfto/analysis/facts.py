@@ -197,14 +197,14 @@ def facts_of(
 
 
 def _heights(grid: FlownGrid, dem: Dem | None) -> Array:
-    """Height over the terrain (T, A), nan where a UAV was never seen or is beyond the DEM."""
+    """Height over ground or surface (T, A), nan where a UAV was never seen or is beyond the DEM."""
     if dem is None:
         return np.full(grid.position_m.shape[:2], np.nan)
     east, north, up = np.moveaxis(grid.position_m, 2, 0)
     half_east, half_north = dem.half_extent_m
     with np.errstate(invalid="ignore"):
         inside = (np.abs(east) <= half_east) & (np.abs(north) <= half_north)
-    ground = dem.height(np.where(inside, east, 0.0), np.where(inside, north, 0.0))
+    ground = dem.top_height(np.where(inside, east, 0.0), np.where(inside, north, 0.0))
     return np.where(inside, up - ground, np.nan)
 
 

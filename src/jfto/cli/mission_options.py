@@ -110,5 +110,5 @@ def build(plan_path: Path, choices: Mapping[str, Any]) -> dict[str, VehicleMissi
         )
     dem = known_ground(loaded) if options.check_terrain else None
     settings = mission_settings(plan, options)
-    built = build_missions(plan, settings, ground=None if dem is None else dem.height)
+    built = build_missions(plan, settings, ground=None if dem is None else dem.top_height)
     return {mission.uav: mission for mission in built}

@@ -103,7 +103,7 @@ def _look(loaded: LoadedScenario, plan: Plan, choices: dict[str, Any], *, quiet:
 
     section = loaded.node_options.get("mavlink_bridge", {})
     dem = known_ground(loaded)
-    ground = None if dem is None else dem.height
+    ground = None if dem is None else dem.top_height
     settings = mission_settings(plan, BridgeOptions(**section))
     missions = {one.uav: one for one in build_missions(plan, settings, ground=ground)}
     gate = gate_settings(plan, loaded.scenario, ground, guided=bool(plan.trajectories))

@@ -56,8 +56,8 @@ def known_dem_of(scenario: Scenario) -> Dem | None:
 
 
 def ground_of(scenario: Scenario) -> Ground:
-    """Heights of a node's terrain; raises TerrainError."""
-    return dem_of(scenario).height
+    """Heights that missions must clear over a node's terrain; raises TerrainError."""
+    return dem_of(scenario).top_height
 
 
 def _loaded(scenario: Scenario) -> LoadedScenario:

@@ -92,8 +92,11 @@ def write_scenario(loaded: LoadedScenario, path: Path) -> str:
     """
     scenario = loaded.scenario
     terrain, waypoints, area = scenario.terrain, scenario.waypoints, scenario.area
-    if names_a_file(terrain.source):
-        terrain = dataclasses.replace(terrain, source=str(loaded.resolve(terrain.source).resolve()))
+    source, surface = (
+        str(loaded.resolve(named).resolve()) if named and names_a_file(named) else named
+        for named in (terrain.source, terrain.surface)
+    )
+    terrain = dataclasses.replace(terrain, source=source, surface=surface)
     if waypoints.file:
         waypoints = dataclasses.replace(
             waypoints, file=str(loaded.resolve(waypoints.file).resolve())

@@ -17,6 +17,7 @@ from jfto_msgs_py.files import FileKind, read_record, write_record
 MADE_NAME = "made.json"
 # Other versions of these may draw or compute otherwise.
 _LIBRARIES = ("numpy", "scipy", "numba", "matplotlib", "plotly")
+_PIECE_BYTES = 2**22
 
 
 _KIND = FileKind("record of what was made", "Delete it: everything is made anew.")
@@ -82,10 +83,15 @@ def digest(inputs: Iterable[str | bytes | Path]) -> str:
 
 
 def _of_file(path: Path) -> str:
+    sum_ = hashlib.sha256()
     try:
-        return hashlib.sha256(path.read_bytes()).hexdigest()
+        with path.open("rb") as file:
+            # In pieces: elevation models are larger than memory.
+            while piece := file.read(_PIECE_BYTES):
+                sum_.update(piece)
     except OSError:
         return "absent"
+    return sum_.hexdigest()
 
 
 @cache

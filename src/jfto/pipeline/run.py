@@ -29,9 +29,8 @@ from jfto.planning.scenario_file import (
     SCENARIO_NAME,
     LoadedScenario,
     load_scenario,
-    names_a_file,
 )
-from jfto.planning.terrain import known_ground
+from jfto.planning.terrain import known_ground, terrain_files
 from jfto_msgs_py.errors import InputError, JftoError, PlanError
 from jfto_msgs_py.files import read_text, write_file, write_json
 from jfto_msgs_py.plan_file import read_plan, write_plan
@@ -278,9 +277,7 @@ class Pipeline:
     @cached_property
     def _given(self) -> list[Path]:
         """Files that the scenario names."""
-        scenario, given = self._loaded.scenario, []
-        if names_a_file(scenario.terrain.source):
-            given.append(self._loaded.resolve(scenario.terrain.source))
+        scenario, given = self._loaded.scenario, terrain_files(self._loaded)
         if scenario.waypoints.file:
             given.append(self._loaded.resolve(scenario.waypoints.file))
         return given

@@ -70,21 +70,21 @@ def ground_rule(scenario: Scenario, found: Survey) -> GroundRule | None:
     if wanted.mode == "straight":
         return None
     waypoints = np.array([waypoint.position_m for waypoint in found.waypoints])
-    ground = found.dem.height(waypoints[:, 0], waypoints[:, 1])
+    ground = found.dem.top_height(waypoints[:, 0], waypoints[:, 1])
     clearance_m = min(wanted.clearance_m, float(np.min(waypoints[:, 2] - ground)))
     start_m = wanted.takeoff_m if wanted.mode == "waypoints" else clearance_m
-    return GroundRule(found.dem.height, clearance_m, START_SHARE * min(start_m, clearance_m))
+    return GroundRule(found.dem.top_height, clearance_m, START_SHARE * min(start_m, clearance_m))
 
 
 def home_rules(scenario: Scenario, found: Survey) -> HomeRules:
     """What ways home keep to: trajectory.clearance_m, in every mode."""
-    return HomeRules(found.dem.height, scenario.trajectory.clearance_m)
+    return HomeRules(found.dem.top_height, scenario.trajectory.clearance_m)
 
 
 def home_ground(scenario: Scenario, found: Survey) -> GroundRule:
     """The same for the certificate."""
     clearance_m = scenario.trajectory.clearance_m
-    return GroundRule(found.dem.height, clearance_m, clearance_m)
+    return GroundRule(found.dem.top_height, clearance_m, clearance_m)
 
 
 def _closed_legs(scenario: Scenario, found: Survey, waypoints: Array, pads: Array) -> Flags | None:

@@ -204,7 +204,7 @@ def _as_flown(
         trigger=scenario.coverage.trigger,
         mission_items=scenario.fleet.mission_items,
     )
-    curves = flight.trajectories(problem, routes, scenario.fleet.ids, found.dem.height)
+    curves = flight.trajectories(problem, routes, scenario.fleet.ids, found.dem.top_height)
     plan = build_plan(routes, terms, flight.name, flight.parameters, curves)
     return rounded(replace(plan, area=found.dem.area))
 

@@ -45,10 +45,17 @@ class TerrainPart:
 
     source: str = param(
         "jacksboro",
-        "Elevation model: a GeoTIFF, SRTM .hgt, Esri ASCII or .vrt file, also packed as .zip or "
-        ".gz, or a folder of neighbouring tiles, relative to the scenario "
+        "Elevation model: a GeoTIFF, SRTM .hgt, Esri ASCII, .vrt or ArduPilot's .DAT file, also "
+        "packed as .zip or .gz, or a folder of tiles, relative to the scenario "
         'file; "jacksboro", the built-in USGS tile; or "unknown", where a plan is flown of which '
         "no more is known.",
+    )
+    surface: str = param(
+        "",
+        "Surface model (trees, roofs) over terrain.source, in any form that that has: photos are "
+        "taken of the ground, clearance and lines of sight are held against the higher of both. "
+        "Left out: only the ground is known.",
+        later=True,
     )
     center_deg: tuple[float, ...] = param(
         (),
@@ -79,9 +86,10 @@ class TerrainPart:
     )
     vertical_datum: str = param(
         "",
-        "What the heights are measured from, where the file does not say: the ellipsoid, mean sea "
-        "level, or a geoid that models it. Between both altitudes of waypoints and missions are "
-        "brought by EGM96. Left out: as the file says, else mean sea level.",
+        "What the heights are measured from, where the file does not say: the ellipsoid, the mean "
+        "sea level of its country's maps, or a geoid that models it. Heights above the ellipsoid "
+        "are brought to sea level by EGM96, as altitudes of waypoints and missions are above the "
+        "sea. Left out: as the file says, else sea level, which is then said.",
         choices=("", "ellipsoid", "sea_level", "EGM84", "EGM96", "EGM2008", "NAVD88", "EVRF2007"),
     )
 

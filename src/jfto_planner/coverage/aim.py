@@ -108,7 +108,7 @@ def _faults(dem: Dem, position_m: Array, target_m: Array, settings: CoverageSett
 
 
 def height_above_ground(dem: Dem, position_m: Array, radius_m: float) -> Array:
-    """Height in metres of positions (W, 3) above the highest ground within `radius_m`."""
+    """Height in metres of positions (W, 3) above the highest top within `radius_m`."""
     angle = np.arange(16) * (np.pi / 8)
     ring = np.linspace(0.0, radius_m, 5)[1:, None]
     around_x = np.concatenate([[0.0], (ring * np.cos(angle)).ravel()])
@@ -117,5 +117,5 @@ def height_above_ground(dem: Dem, position_m: Array, radius_m: float) -> Array:
     y = position_m[:, 1, None] + around_y
     known = dem.contains(x, y)
     ground = np.full(x.shape, -np.inf)
-    ground[known] = dem.height(x[known], y[known])
+    ground[known] = dem.top_height(x[known], y[known])
     return position_m[:, 2] - ground.max(axis=1)

@@ -34,12 +34,13 @@ def check_waypoints(waypoints: Sequence[RawWaypoint], dem: Dem, source: str) -> 
             f"out of {source}."
         )
 
-    clearance = position[:, 2] - dem.height(position[:, 0], position[:, 1])
+    clearance = position[:, 2] - dem.top_height(position[:, 0], position[:, 1])
     buried = np.flatnonzero(clearance <= 0)
     if buried.size:
         first = waypoints[buried[0]]
+        stands = "" if dem.top is None else " or what stands on it (terrain.surface)"
         raise WaypointError(
-            f"{first.place}: lies {-clearance[buried[0]]:.1f} m below the ground"
+            f"{first.place}: lies {-clearance[buried[0]]:.1f} m below the ground{stands}"
             f"{_more(buried.size)}. Heights are metres above {dem.height_datum}; raise it, or give "
             "heights above ground (agl_m)."
         )

@@ -29,6 +29,9 @@ class Dem:
     0 at the origin, whose altitude is above sea level as `height_datum` has it. Whatever asks for
     ground beyond `half_extent_m` gets a TerrainError, never a made-up height. `notes` say in a line
     each what was taken for granted.
+
+    Photos are taken of the ground. What flies must clear `top`, and rays end there: the ground or
+    what stands on it (trees, roofs), whichever is higher; None where only the ground is known.
     """
 
     origin: Origin
@@ -39,6 +42,7 @@ class Dem:
     description: str
     notes: tuple[str, ...] = ()
     area: tuple[Polygon, ...] = ()
+    top: CubicSurface | None = None
 
     @cached_property
     def area_shape(self) -> shapely.MultiPolygon:
@@ -91,6 +95,12 @@ class Dem:
         self._check_inside(x, y)
         return self.surface.height_and_gradient(x, y)
 
+    def top_height(self, x_m: ArrayLike, y_m: ArrayLike) -> Array:
+        """Height z of what must be cleared at points of any shape. Raises TerrainError outside."""
+        x, y = (np.asarray(v, dtype=np.float64) for v in np.broadcast_arrays(x_m, y_m))
+        self._check_inside(x, y)
+        return self._top.height_and_gradient(x, y)[0]
+
     def normal(self, x_m: ArrayLike, y_m: ArrayLike) -> Array:
         """Unit vector (..., 3) that stands on the ground, pointing up. TerrainError outside."""
         _, east, north = self.height_and_gradient(x_m, y_m)
@@ -107,10 +117,10 @@ class Dem:
     def first_hit(
         self, origin_m: ArrayLike, direction: ArrayLike, max_range_m: ArrayLike = np.inf
     ) -> Array:
-        """Distance (K,) in metres at which rays first touch the ground; inf where they do not.
+        """Distance (K,) in metres at which rays first touch the top; inf where they do not.
 
         `origin_m` and `direction` (any length but 0) have shape (K, 3) or broadcast to it. A ray
-        from below ground hits at 0; beyond the margin there is nothing to hit.
+        from below it hits at 0; beyond the margin there is nothing to hit.
         """
         origin, direction_ = np.broadcast_arrays(
             np.atleast_2d(np.asarray(origin_m, dtype=np.float64)),
@@ -123,17 +133,23 @@ class Dem:
                 "Give finite positions and directions."
             )
         reach = np.broadcast_to(np.asarray(max_range_m, dtype=np.float64), (len(origin),))
-        return first_hit(self.surface, self._ceilings, origin, direction_ / length, reach)
+        return first_hit(self._top, self._ceilings, origin, direction_ / length, reach)
 
     def sees(self, from_m: ArrayLike, to_m: ArrayLike, slack_m: float = 0.1) -> NDArray[np.bool_]:
-        """Whether the ground leaves free the straight line between pairs of points, (K, 3) each.
+        """Whether nothing stands in the straight line between pairs of points, (K, 3) each.
 
         `slack_m` is how close to `to_m` the line may touch, so that points on the ground count.
+        Where something stands on a point it is seen if the top of that is: a photo of a wood shows
+        its crowns.
         """
         start, end = np.broadcast_arrays(
             np.atleast_2d(np.asarray(from_m, dtype=np.float64)),
             np.atleast_2d(np.asarray(to_m, dtype=np.float64)),
         )
+        if self.top is not None:
+            end = end.copy()
+            over = self.contains(end[:, 0], end[:, 1])
+            end[over, 2] = np.maximum(end[over, 2], self.top_height(*end[over, :2].T))
         distance = np.linalg.norm(end - start, axis=-1)
         free = distance <= slack_m
         far = ~free
@@ -143,7 +159,11 @@ class Dem:
 
     @cached_property
     def _ceilings(self) -> Array:
-        return cell_ceilings(self.surface)
+        return cell_ceilings(self._top)
+
+    @property
+    def _top(self) -> CubicSurface:
+        return self.surface if self.top is None else self.top
 
     def _check_inside(self, x: Array, y: Array) -> None:
         inside = self.surface.contains(x, y)

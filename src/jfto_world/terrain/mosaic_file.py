@@ -13,14 +13,15 @@ _RELATIVE = re.compile(r'relativeToVRT\s*=\s*"1"')
 _LARGEST_BYTES = 2**26
 
 
-def check_mosaic(path: Path) -> None:
-    """Raise TerrainError for a mosaic of files that are not there or lie on a network.
+def mosaic_files(path: Path) -> list[Path]:
+    """Files of a mosaic. Raises TerrainError where one is not there or lies on a network.
 
     GDAL opens a mosaic's files only when their cells are read, and would fetch or wait then.
     """
     if path.stat().st_size > _LARGEST_BYTES:
         raise TerrainError(f"{path} is larger than any mosaic. Name one made by gdalbuildvrt.")
     text = path.read_text(encoding="utf-8", errors="replace")
+    found = []
     for attributes, named, dataset in _SOURCE.findall(text):
         name = html.unescape(named or dataset).strip()
         if name.startswith("/vsi") and not name.startswith(("/vsizip/", "/vsigzip/")):
@@ -43,3 +44,5 @@ def check_mosaic(path: Path) -> None:
                 f"{path} names {name[:200]!r}, which does not exist. Copy the tiles with the "
                 "mosaic, or make it anew where they lie (gdalbuildvrt)."
             )
+        found.append(file)
+    return found

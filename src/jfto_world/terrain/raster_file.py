@@ -19,7 +19,7 @@ from jfto_msgs_py.errors import TerrainError
 from jfto_msgs_py.types import Array
 from jfto_world.terrain import packed
 from jfto_world.terrain.height_reference import DeclaredHeights, height_reference
-from jfto_world.terrain.mosaic_file import check_mosaic
+from jfto_world.terrain.mosaic_file import mosaic_files
 from jfto_world.terrain.products import product_of
 from jfto_world.terrain.raster import Raster, apply_affine
 
@@ -62,7 +62,7 @@ def open_raster(path: Path, declared: DeclaredHeights = AS_IN_FILE) -> Raster:
     check_file(path)
     suffix = packed.kind_of(path, SUFFIXES)
     if suffix == ".vrt" and path.suffix.lower() == ".vrt":
-        check_mosaic(path)
+        mosaic_files(path)
     with _open(path) as dataset:
         _check_content(dataset, path)
         crs = _crs(dataset, path)
