@@ -47,6 +47,7 @@ class _Reader:
         self._source = source
         self._names: set[str] = set()
         self._left_out = 0
+        self._again = 0
 
     def read(self, root: ET.Element) -> PointDocument:
         marks = list(enumerate(all_of(root, "Placemark"), start=1))
@@ -65,6 +66,10 @@ class _Reader:
             notes.append(f"{self._source}: not used: {', '.join(rest)}")
         if self._left_out:
             notes.append(f"{self._source}: {self._left_out} points without a photo are left out")
+        if self._again:
+            notes.append(
+                f"{self._source}: {self._again} corners at a place met before are left out"
+            )
         return PointDocument(tuple(found), tuple(notes))
 
     def _nothing(self, kinds: Counter[str]) -> str:
@@ -90,6 +95,11 @@ class _Reader:
                 self._left_out += len(corners)
                 continue
             above = self._above(shape, place)
+            if wanted == _LINES:
+                # A line that comes by a corner again, as closed ones do, has one waypoint there.
+                once = list(dict.fromkeys(corners))
+                self._again += len(corners) - len(once)
+                corners = once
             many = len(corners) > 1 or len(shapes) > 1
             for number_, (lon, lat, alt) in enumerate(corners, start=1):
                 where = f"{place}, point {number_}" if many else place

@@ -20,6 +20,7 @@ WAYLINES, TEMPLATE = "waylines.wpml", "template.kml"
 _FRAMES = {
     "relativeToStartPoint": do.ABOVE_HOME,
     "WGS84": do.ABOVE_ELLIPSOID,
+    "EGM96": do.ABOVE_SEA_LEVEL,
     "aboveGroundLevel": do.ABOVE_GROUND,
     "realTimeFollowSurface": do.ABOVE_GROUND,
 }

@@ -107,6 +107,9 @@ class Places:
             if above == Above.CLAMPED:
                 height_m = self._clamp(place)
             x, y, _ = self._enu(lat_deg, lon_deg, self._dem.origin.alt_m)
+            up = self._ground(x, y, place) + height_m
+            # Higher up the same degrees are farther apart: 1 cm at 150 m away and 400 m up.
+            x, y, _ = self._enu(lat_deg, lon_deg, float(self._dem.to_geodetic((x, y, up))[2]))
             return Spot((x, y, self._ground(x, y, place) + height_m), height_m)
         if above == Above.HOME:
             altitude_m = height_m + self._home_altitude(place)

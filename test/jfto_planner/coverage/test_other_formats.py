@@ -7,6 +7,8 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from jfto_msgs_py.errors import WaypointError
 from jfto_planner.coverage import (
@@ -17,6 +19,7 @@ from jfto_planner.coverage import (
     read_waypoints,
 )
 from jfto_world.terrain import load_dem
+from jfto_world.terrain.geoid import geoid_height
 
 CASES = Path(__file__).parents[2] / "data/cases"
 LAT, LON, GROUND = 46.2, 7.6, 1500.0
@@ -264,6 +267,64 @@ def test_a_wayline_above_the_ellipsoid(tmp_path, dem):
     assert "above the ellipsoid are brought to sea level" in found.notes[0]
 
 
+def test_a_closed_line_has_one_waypoint_where_it_closes(tmp_path, dem):
+    """The corner at which it ends is its first, and that is said."""
+    ring = " ".join(
+        f"{LON + x * EAST},{LAT + y * NORTH},1600" for x, y in ((0, 0), (9, 0), (9, 9), (0, 0))
+    )
+    line = tag("LineString", tag("altitudeMode", "absolute"), tag("coordinates", ring))
+    path = write(tmp_path, "w.kml", KML.format(tag("Placemark", line)))
+    found = read_waypoint_set(path, dem)
+    assert len(found.waypoints) == 3
+    assert "1 corners at a place met before" in found.notes[0]
+
+
+DIALECTS = st.fixed_dictionaries(
+    {
+        "separator": st.sampled_from(",;\t"),
+        "comma": st.booleans(),
+        "mark": st.booleans(),
+        "end": st.sampled_from(["\n", "\r\n", "\r"]),
+        "suffix": st.sampled_from([".csv", ".CSV", ".Csv"]),
+        "unit": st.sampled_from(["m", "ft"]),
+        "above": st.sampled_from(["amsl", "agl", "home", "ellipsoid", "column"]),
+        "place": st.tuples(st.floats(-190, 190), st.floats(-190, 190), st.floats(60, 900)),
+        "view": st.tuples(st.floats(0, 359), st.floats(-90, 45)),
+    }
+)
+
+
+@settings(deadline=None, derandomize=True, max_examples=60)
+@given(DIALECTS)
+def test_a_table_of_any_dialect_is_one_place(tmp_path_factory, dem, dialect):
+    """Separator, decimal sign, mark, line end, suffix, unit and height reference: to 1 cm."""
+    east, north, up = dialect["place"]
+    lat, lon, alt = (float(value) for value in dem.to_geodetic((east, north, up)))
+    ground = float(dem.to_geodetic((east, north, float(dem.height(east, north))))[2])
+    home = float(dem.to_geodetic((0.0, 0.0, float(dem.height(0.0, 0.0))))[2])
+    above = dialect["above"]
+    geoid = float(geoid_height(lat, lon))
+    base = {"agl": ground, "home": home, "ellipsoid": -geoid}.get(above, 0.0)
+    height = (alt - base) / (0.3048 if dialect["unit"] == "ft" else 1.0)
+    names = [f"alt ({dialect['unit']})", "height_reference"]
+    values = [f"{height:.4f}", "amsl" if above == "column" else above]
+    if above == "column":
+        names, values = [f"alt_msl_{dialect['unit']}"], values[:1]
+    yaw, pitch = dialect["view"]
+    rows = [
+        ["Latitude", "Longitude", *names, "Gimbal Pitch", "bearing"],
+        [f"{lat:.9f}", f"{lon:.9f}", *values, f"{pitch:.3f}", f"{yaw:.3f}"],
+    ]
+    if dialect["comma"] and dialect["separator"] != ",":
+        rows[1] = [value.replace(".", ",") for value in rows[1]]
+    text = "".join(dialect["separator"].join(row) + dialect["end"] for row in rows)
+    path = tmp_path_factory.mktemp("dialect") / f"Tabelle{dialect['suffix']}"
+    path.write_bytes(text.encode("utf-8-sig" if dialect["mark"] else "utf-8"))
+    (one,) = read_waypoints(path, dem, Assumed((LAT, LON)))
+    assert one.position_m == pytest.approx((east, north, up), abs=0.01)
+    assert (one.yaw_deg, one.pitch_deg) == pytest.approx((yaw, pitch), abs=1e-3)
+
+
 def test_waylines_without_photos_are_looked_at_from(tmp_path, dem):
     """All waypoints, as turned on reaching them; followWayline looks along the way."""
     tilt = action("gimbalRotate", gimbalPitchRotateAngle=-30)
@@ -379,7 +440,7 @@ BAD = {
     "empty line": ("w.kml", KML.format("<Placemark><LineString/></Placemark>"), "no coordinates"),
     "height mode": (
         "w.wpml",
-        WPML.format(wayline(stop(0, 0, 80), mode="EGM96")),
+        WPML.format(wayline(stop(0, 0, 80), mode="moon")),
         "wayline 1: exec",
     ),
     "no take-off": ("w.wpml", WPML.format(GOOD), "waypoint 0: its altitude is relative to home"),
