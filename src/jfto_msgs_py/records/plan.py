@@ -80,11 +80,6 @@ class Line:
     first: Annotated[int, Range(0)]
     last: Annotated[int, Range(0)]
 
-    @property
-    def passed(self) -> slice:
-        """The waypoints behind `first`, `last` included."""
-        return slice(self.first + 1, self.last + 1)
-
 
 @dataclass(frozen=True)
 class Route:

@@ -19,8 +19,9 @@ TIMED_PLACE_M = 1.0
 # every time; a line ends before that adds up to this.
 LOOKS_EVERY_S, DRIFT_M = 0.02, 1.5
 SPACING_MIN_M = 2.0
-# Fewer waypoints are not worth the steps of a line: six by distance, four by time.
-LEAST = {"distance": 4, "time": 3}
+# Fewer waypoints are not worth the steps of a line: six by distance, four by time; and of three by
+# time nothing shows whether speed is constant.
+LEAST = {"distance": 4, "time": 4}
 # A series by time begins at once only where the last photograph is at least an interval ago.
 PAUSE_S = 0.1
 
@@ -34,7 +35,7 @@ def trigger_lines(
     """Lines of a route whose photographs are triggered by "distance" or "time", in its order.
 
     On each, waypoints look the same way and stand on a straight line at one slope, equally far
-    apart; by time they are also equally long apart.
+    apart; by time they are also equally long apart, which needs a straight way to the first.
     """
     if trigger not in LEAST:
         return ()
@@ -73,43 +74,34 @@ def _straight_until(waypoints: Sequence[Waypoint], first: int, most: int) -> int
     return last
 
 
+def _interval_s(arrival_s: Array, line: Line) -> float:
+    """Time between the photographs of a line, of which the last is taken where it is reached."""
+    count = line.last - 1 - line.first
+    return float(arrival_s[line.last - 1] - arrival_s[line.first]) / count
+
+
 def _steady(
     lines: tuple[Line, ...], waypoints: Sequence[Waypoint], flown: Flown
 ) -> tuple[Line, ...]:
-    """What is left of lines where photographs at equal times are near their waypoints.
+    """The lines on which photographs at equal times are near their waypoints.
 
-    Each is shortened from the end that is worse, until it is steady or too short.
+    Where a line is none, its waypoints are flown to one by one, which changes the others' times.
     """
     points = np.array([waypoint.position_m for waypoint in waypoints])
     while lines:
         arrival_s = flown(lines)
-        kept = tuple(
-            shorter
-            for line in lines
-            if (shorter := _shortened(line, arrival_s, points)) is not None
-        )
+        kept = tuple(line for line in lines if _is_steady(line, arrival_s, points))
         if kept == lines:
             break
         lines = kept
     return lines
 
 
-def _shortened(line: Line, arrival_s: Array, points: Array) -> Line | None:
-    """The line, the line less its worse end, or None where too little of it is left."""
-    if line.last - line.first + 1 < LEAST["time"]:
-        return None
-    times = arrival_s[line.first : line.last + 1]
-    interval_s = float(times[-1] - times[0]) / (len(times) - 1)
-    legs_s = np.diff(times)
-    legs_m = np.linalg.norm(np.diff(points[line.first : line.last + 1], axis=0), axis=1)
-    even_s = times[0] + interval_s * np.arange(len(times))
-    off_m = np.abs(times - even_s) * float(np.max(legs_m / np.maximum(legs_s, 1e-6)))
-    pause_s = arrival_s[line.first] - arrival_s[line.first - 1] if line.first else math.inf
-    if pause_s < interval_s + PAUSE_S:
-        return Line(line.first + 1, line.last)
-    if off_m.max() <= TIMED_PLACE_M:
-        return line
-    middle_s = float(np.median(legs_s))
-    if abs(legs_s[0] - middle_s) >= abs(legs_s[-1] - middle_s):
-        return Line(line.first + 1, line.last)
-    return Line(line.first, line.last - 1)
+def _is_steady(line: Line, arrival_s: Array, points: Array) -> bool:
+    every_s = _interval_s(arrival_s, line)
+    if line.first and arrival_s[line.first] - arrival_s[line.first - 1] < every_s + PAUSE_S:
+        return False
+    inside = slice(line.first, line.last)
+    even_s = arrival_s[line.first] + every_s * np.arange(line.last - line.first)
+    speed_mps = math.dist(points[line.first], points[line.last - 1]) / (even_s[-1] - even_s[0])
+    return bool((np.abs(arrival_s[inside] - even_s) * speed_mps).max() <= TIMED_PLACE_M)

@@ -163,7 +163,8 @@ class _Writer:
         """
         count = line.last - line.first
         if trigger == "time":
-            self.add(Kind.SERIES, line.first, float(self._legs_s[line.passed].sum()) / count, count)
+            legs_s = self._legs_s[line.first + 1 : line.last]
+            self.add(Kind.SERIES, line.first, float(legs_s.mean()), count)
             return
         first, last = (self._waypoints[k].position_m for k in (line.first, line.last))
         spacing_m = math.dist(first[:2], last[:2]) / count

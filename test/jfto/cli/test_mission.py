@@ -51,7 +51,7 @@ def test_a_mission_is_converted_and_compared(plan, tmp_path, capsys):
     capsys.readouterr()
     assert main(["mission", "diff", first, second]) == 1
     *lost, verdict = capsys.readouterr().out.splitlines()
-    assert verdict == "13 lines differ"
+    assert verdict == "14 lines differ"
     assert "- WPNAV_RADIUS 120" in lost
     assert all(line.startswith("- ") for line in lost)
     assert main(["mission", "diff", first, first]) == 0

@@ -151,7 +151,7 @@ def test_a_line_is_flown_in_one_go(plan, trigger, row):
         assert first.params[:3] == (60.0, 0.0, 1.0)
         assert built.mission.items[6].params[0] == 30.0
     else:
-        assert first.params[:3] == (0.0, pytest.approx(16.25), 2.0)
+        assert first.params[:3] == (0.0, pytest.approx(15.0), 2.0)
     end = 5 + len(row)
     assert built.item_map.items == (4, end, end)
     assert built.item_map.waypoint(end) == 2
