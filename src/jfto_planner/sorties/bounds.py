@@ -16,7 +16,20 @@ _LEAST_S = 1e-9
 
 
 def least_by_missions(waypoints: int, uavs: int, most_photos: int) -> int:
-    """Sorties so that no mission has more photos than an autopilot holds."""
+    """Sorties so that no mission has more photos than an autopilot holds.
+
+    Parameters
+    ----------
+    waypoints, uavs
+        How many there are.
+    most_photos
+        That one mission holds.
+
+    Returns
+    -------
+    int
+        1 or more.
+    """
     return max(1, -(-waypoints // (uavs * most_photos)))
 
 

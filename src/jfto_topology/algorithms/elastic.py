@@ -29,7 +29,11 @@ from jfto_topology.algorithms.required_power import checked_caps, required_power
 
 @dataclass(frozen=True, eq=False)
 class Air:
-    """What powers do: linear gains (M, A, A), P_a,max (A,), γ and the noise in the band, in W."""
+    """What powers do in M slots.
+
+    `gain` (M, A, A) is linear; `p_max_w` (A,) are P_a,max, `sensitivity_w` γ and `noise_w` the
+    noise in the whole band, all in W.
+    """
 
     gain: Array
     p_max_w: Array
