@@ -105,7 +105,7 @@ def _check_ground(
                 f"{who}: the leg to {item.place} leaves the terrain, so that nothing is known of "
                 "the ground below it. Enlarge terrain.size_m, or leave --scenario out.",
             )
-        clearance_m = float(np.min(line[:, 2] - dem.height(line[:, 0], line[:, 1])))
+        clearance_m = float(np.min(line[:, 2] - dem.top_height(line[:, 0], line[:, 1])))
         if clearance_m < worst_m:
             worst_m, worst = clearance_m, item.place
         here = spot

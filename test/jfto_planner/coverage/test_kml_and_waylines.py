@@ -25,6 +25,8 @@ from support.foreign_files import (
     djis,
     group,
     kmz,
+    leg,
+    litchi,
     mark,
     stop,
     tag,
@@ -171,16 +173,21 @@ def test_a_trigger_of_a_wayline_lays_photos_along_it(tmp_path, dem, trigger, eve
     assert [w.position_m[1] for w in found] == pytest.approx(range(first, 81, 10), abs=0.1)
 
 
-def test_a_wayline_is_certified_like_any_waypoints(tmp_path, dem):
-    """The share seen of a survey laid out in DJI's format is that of the same photos in a table."""
+def test_waypoints_of_any_origin_are_certified_alike(tmp_path, dem):
+    """The share seen of the same photos in a table, KML, a wayline and Litchi's table."""
     photo = action("takePhoto")
-    stops = [stop(k, 20 * k - 190, 80, group(photo), mode="followWayline") for k in range(20)]
-    path = djis(tmp_path, wayline(*stops, mode="aboveGroundLevel"))
-    table = "lat,lon,agl_m\n" + "".join(
-        f"{LAT + (20 * k - 190) * NORTH},{LON},80\n" for k in range(20)
-    )
-    other = write(tmp_path, "w.csv", table)
+    norths = [20 * k - 190 for k in range(20)]
+    stops = [stop(k, n, 80, group(photo), mode="followWayline") for k, n in enumerate(norths)]
+    table = "lat,lon,agl_m\n" + "".join(f"{LAT + n * NORTH},{LON},80\n" for n in norths)
+    marks = "".join(mark(n, 80, "relativeToGround") for n in norths)
+    rows = [leg(n, mode=1, actions=(1, 0, -1, 0)) for n in norths]
+    paths = [
+        djis(tmp_path, wayline(*stops, mode="aboveGroundLevel")),
+        write(tmp_path, "w.csv", table),
+        write(tmp_path, "w.kml", KML.format(marks)),
+        write(tmp_path, "l.csv", litchi(*rows)),
+    ]
     camera = Camera(17.3, 13.0, 15.0, 5280, 3956)
-    seen = [certify_coverage(read_waypoints(p, dem), dem, camera).seen_once for p in (path, other)]
+    seen = [certify_coverage(read_waypoints(p, dem), dem, camera).seen_once for p in paths]
     assert 0.1 < seen[0] < 0.5
-    assert seen[0] == pytest.approx(seen[1], abs=0.01)
+    assert seen == pytest.approx([seen[0]] * 4, abs=0.01)
