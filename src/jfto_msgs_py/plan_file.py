@@ -115,6 +115,8 @@ def plan_text(plan: Plan) -> str:
     }
     document = rounded_record(document)
     # A degree is a hundred kilometres long, and slots add up.
+    if origin.datum:
+        document["origin"]["datum"] = origin.datum
     degrees = {"lat": origin.lat_deg, "lon": origin.lon_deg}
     document["origin"] |= plain(degrees, _FINER_DECIMALS)
     document["slots"]["duration_s"] = plain(slots.duration_s, _FINER_DECIMALS)
@@ -169,6 +171,7 @@ class _Origin:
     lat: Annotated[float, Range(-90, 90)]
     lon: Annotated[float, Range(-180, 180)]
     alt_m: float
+    datum: Text = field(default="", metadata=MAY_LACK)
 
 
 @dataclass(frozen=True)
@@ -235,7 +238,7 @@ def plan_of_text(text: str, path: Path) -> Plan:
     return record_from(
         document,
         Plan,
-        origin=Origin(origin.lat, origin.lon, origin.alt_m),
+        origin=Origin(origin.lat, origin.lon, origin.alt_m, origin.datum),
         uavs=tuple(record_from(uav, Uav) for uav in uavs),
         routes=tuple(record_from(uav, Route, waypoint_ids=uav.route) for uav in uavs),
         homes=tuple(uav.home for uav in uavs if uav.home is not None),

@@ -28,11 +28,15 @@ PLAN_VERSIONS_READ = (1, 2, 3)
 
 @dataclass(frozen=True)
 class Origin:
-    """Where the local ENU frame sits: WGS-84 degrees, and metres in the DEM's height datum."""
+    """Where the local ENU frame sits: WGS-84 degrees, and metres above sea level.
+
+    `datum` says in words which sea level that is, "" where nobody said.
+    """
 
     lat_deg: float
     lon_deg: float
     alt_m: float
+    datum: str = ""
 
 
 @dataclass(frozen=True)

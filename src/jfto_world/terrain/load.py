@@ -83,8 +83,8 @@ def load_dem(
     altitudes, agreement = altitudes_under(layers, grid, frame, zero_is_void, name)
 
     middle = altitudes(np.array([lat_deg]), np.array([lon_deg]))
-    origin = Origin(lat_deg, lon_deg, float(middle[0]))
     datum, converted = datum_of(layers[0], frame)
+    origin = Origin(lat_deg, lon_deg, float(middle[0]), datum)
     notes = [note for layer in layers for note in layer.notes]
     return Dem(
         origin=origin,
