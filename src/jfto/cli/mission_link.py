@@ -36,7 +36,7 @@ def link_fleet(
     uavs: tuple[str, ...] = (),
 ) -> AbstractContextManager[FleetLink]:
     """Links to the vehicles of a command line; simulated ones stand on the pads of the plan."""
-    from jfto.flight.fleet_link import open_fleet
+    from jfto.flight.fleet_link import Simulated, open_fleet
     from jfto.planning.scenario_file import load_scenario
     from jfto.planning.scenario_of_plan import load_scenario_for
     from jfto.supervision.vehicles import FROM_SCENARIO, named
@@ -53,7 +53,7 @@ def link_fleet(
     return open_fleet(
         texts,
         None if plan_file is None else read_plan(plan_file),
-        speedup=choices.get("speedup", 1.0),
+        simulated=Simulated(choices.get("speedup", 1.0)),
         key_file=choices["key_file"],
         complete=complete,
         uavs=uavs,

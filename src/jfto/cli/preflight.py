@@ -60,7 +60,7 @@ def command(source: Path, as_json: bool, **choices: Any) -> int:
     loaded, plan = _plan(source, choices)
     page = _look(loaded, plan, choices, quiet=as_json)
     if as_json:
-        print_json({"level": page.level, **asdict(page)})
+        print_json({"level": page.level, "counts": page.counts(), **asdict(page)})
     else:
         _print(page)
     return 1 if page.level == RED else 0
@@ -91,7 +91,8 @@ def _look(loaded: LoadedScenario, plan: Plan, choices: dict[str, Any], *, quiet:
     """Ask the vehicles; those that are silent are on the page too."""
     from jfto.console.console import Console
     from jfto.console.vehicles import VehicleProgress
-    from jfto.flight.fleet_link import open_fleet
+    from jfto.flight.fleet_link import Simulated, open_fleet
+    from jfto.node_options import SimulatedFleetOptions
     from jfto.planning.terrain import known_ground
     from jfto.supervision.vehicles import named
     from jfto_mavlink.fleet.fly import Fleet, preflight
@@ -109,19 +110,25 @@ def _look(loaded: LoadedScenario, plan: Plan, choices: dict[str, Any], *, quiet:
     gate = gate_settings(plan, loaded.scenario, ground, guided=bool(plan.trajectories))
     texts, endpoints = named(roster_texts(choices["vehicles"]), section)
     simulated = are_simulated(texts)
+    how = Simulated()
+    if simulated:
+        fleet_options = SimulatedFleetOptions(**loaded.node_options.get("simulated_fleet", {}))
+        how = Simulated(_SIMULATED_SPEEDUP, fleet_options.faults)
     with (
         Console(quiet=quiet) as console,
         open_fleet(
             texts,
             plan,
-            speedup=_SIMULATED_SPEEDUP if simulated else 1.0,
+            simulated=how,
             key_file=choices["key_file"],
             complete=False,
             endpoints=endpoints,
         ) as link,
     ):
         fleet = Fleet(link, missions, VehicleProgress(console).report)
-        return preflight(fleet, replace(gate, wait_s=_WAIT_S * (3 if simulated else 1)))
+        return preflight(
+            fleet, replace(gate, wait_s=_WAIT_S * (3 if simulated else 1), waited_for=True)
+        )
 
 
 def _print(page: Preflight) -> None:

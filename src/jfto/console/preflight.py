@@ -10,6 +10,7 @@ from jfto_mavlink.preflight.page import AMBER, GREEN, LEVELS, RED, TOPICS, Findi
 
 # Colour never says it alone.
 SIGNS = {GREEN: ("✓ fine", "green"), AMBER: ("! look", "yellow"), RED: ("✗ stop", "bold red")}
+WAITING = ("… wait", "yellow")
 MARKS = {GREEN: GOOD, AMBER: WARNING, RED: BAD}
 VERDICTS = {
     GREEN: "Preflight: all fine.",
@@ -26,7 +27,7 @@ def preflight_table(page: Preflight) -> Table:
     table.add_column("Found, and → the cure", ratio=1, overflow="fold")
     rows = rows_of(page)
     for number, (finding, who) in enumerate(rows):
-        sign, style = SIGNS[finding.level]
+        sign, style = WAITING if finding.waits else SIGNS[finding.level]
         last = number + 1 == len(rows) or rows[number + 1][0].level != finding.level
         said = f"{finding.text}\n→ {finding.cure}" if finding.cure else finding.text
         cells = (finding.topic, ", ".join(who), said)

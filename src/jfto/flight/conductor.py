@@ -52,6 +52,8 @@ class Conductor:
         self._down = _HOME
         self._interrupted = self._flown = False
         self._why = ""
+        # What is waited for, and when to say so.
+        self._awaited = ("", 0.0)
         # Who has been seen armed since the fleet was told to start.
         self._risen: set[str] = set()
 
@@ -162,13 +164,13 @@ class Conductor:
             # Frames arrive, and no waiting makes the keys fit.
             self._end(Ending.REFUSED, f"{' '.join(troubles)} Nothing was armed.")
         elif self._wall_s() > self.settings.patience.link_s:
-            silent = [name for name, uav in fleet.uavs.items() if not uav.linked]
-            why = fleet.note or (f"{', '.join(silent)} not heard" if silent else "no plan came")
-            self._end(
-                Ending.REFUSED,
-                f"Not linked within {self.settings.patience.link_s:.0f} s: {why}. Nothing was "
-                "armed.",
-            )
+            why = f"Not linked within {self.settings.patience.link_s:.0f} s: {fleet.awaited}."
+            self._end(Ending.REFUSED, f"{why} Nothing was armed.")
+        elif fleet.awaited != self._awaited[0]:
+            self._awaited = (fleet.awaited, fleet.now_s + self.settings.patience.tell_s)
+        elif fleet.now_s >= self._awaited[1]:
+            self._awaited = (fleet.awaited, float("inf"))
+            self._tell(f"Waiting: {fleet.awaited}.")
 
     def _take_over(self) -> None:
         """A flight is under way, or was: follow it, or say that it has ended."""
@@ -237,8 +239,8 @@ class Conductor:
         gone, count = self._up(), len(self._fleet.uavs)
         down = sum(uav.down for uav in self._fleet.uavs.values())
         if gone:
-            text = f"{self._why} {down} of {count} vehicles are down; {gone} is left to its own "
-            self._end(Ending.LOST, f"{text}failsafes.".strip())
+            text = f"{self._why} {down} of {count} vehicles are down; {gone} is left to its own"
+            self._end(Ending.LOST, f"{text} failsafes.".strip())
         elif not self._risen:
             self._end(Ending.REFUSED, f"{self._why} Nobody flew, and all are disarmed.".strip())
         elif self._why:

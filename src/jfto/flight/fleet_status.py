@@ -62,6 +62,14 @@ class FleetStatus:
         """Whether every vehicle is known to be disarmed."""
         return not self.note and bool(self.uavs) and all(u.down for u in self.uavs.values())
 
+    @property
+    def awaited(self) -> str:
+        """What the flight cannot begin without, in words."""
+        if self.note:
+            return self.note
+        silent = [name for name, uav in self.uavs.items() if not uav.linked]
+        return f"{', '.join(silent)} not heard" if silent else "no plan came"
+
 
 _BRIDGE, _PLANNER = "mavlink_bridge", "planner_node"
 

@@ -17,7 +17,7 @@ class Patience:
     """Longest waits, in seconds of this computer; they include the vehicles' own time-outs.
 
     `order_s` is for an order's answer, `again_s` between two tries of an abort, `settle_s` for what
-    was ordered to show.
+    was ordered to show; after `tell_s` it is said what is waited for.
     """
 
     link_s: float = 180.0
@@ -25,6 +25,7 @@ class Patience:
     abort_s: float = 60.0
     again_s: float = 5.0
     settle_s: float = 8.0
+    tell_s: float = 2.0
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Protocol, TypeVar
 
 from jfto_mavlink.errors import FlightError, RosterError
@@ -174,7 +174,8 @@ def _nothing(_context: Context) -> Exchange[None]:
 
 def check_upload(fleet: Fleet, settings: GateSettings) -> None:
     """Refuse what the vehicles would meet in flight, before any of it is sent; FlightError 601."""
-    stops = preflight(fleet, settings, wait=False).stops(uploading=True)
+    looking = replace(settings, waited_for=True)
+    stops = preflight(fleet, looking, wait=False).stops(uploading=True)
     if stops:
         raise FlightError(601, f"Nothing is uploaded. {' '.join(_sentence(s) for s in stops)}")
 

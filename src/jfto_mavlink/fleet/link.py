@@ -6,6 +6,7 @@ cannot send. Callers wait in their own thread.
 
 from __future__ import annotations
 
+import math
 import os
 import select
 import threading
@@ -36,6 +37,8 @@ from jfto_msgs_py.records.event import WARN, Event
 LOOP_S = 0.05
 # By then another vehicle under the same system id has sent two heartbeats and been asked.
 ALONE_S = 2.5
+# Whoever waits longer is told for whom.
+TELL_AFTER_S = 2.0
 T = TypeVar("T")
 
 
@@ -170,13 +173,16 @@ class FleetLink:
             raise
         return results
 
-    def wait_heard(self, timeout_s: float) -> None:
+    def wait_heard(
+        self, timeout_s: float, tell: Callable[[str], None] = lambda _text: None
+    ) -> None:
         """Wait until each vehicle has told who it is, and a second one under its id would have.
 
-        `timeout_s` is on `clock`. Raises RosterError that names all missing vehicles, SigningError
+        `timeout_s` is on `clock`. After 2 s of this computer `tell` is given who is waited for.
+        Raises RosterError that names all missing vehicles, SigningError
         702 where their frames arrive.
         """
-        until_s = self.clock() + timeout_s
+        until_s, told_s = self.clock() + timeout_s, time.monotonic() + TELL_AFTER_S
         done = threading.Event()
         while not done.wait(0.02):
             self._raise_failure()
@@ -188,6 +194,9 @@ class FleetLink:
             troubles = [found[uav].signing_trouble(now_s) for uav in missing]
             if missing and (all(troubles) or (any(troubles) and now_s >= until_s)):
                 raise SigningError(702, " ".join(filter(None, troubles)))
+            if missing and time.monotonic() >= told_s:
+                told_s = math.inf
+                tell(self._awaited(missing, timeout_s))
             if missing and now_s >= until_s:
                 heard = sorted({system for _, system in self.station.foreign})
                 others = f" Heard instead: system ids {heard}." if heard else ""
@@ -196,6 +205,12 @@ class FleetLink:
                 )
         for uav in self.roster.uavs:
             self.station.check_identity(uav)
+
+    def _awaited(self, missing: list[str], timeout_s: float) -> str:
+        """Who is waited for, and where."""
+        entries = [entry for entry in self.roster.entries if entry.uav in missing]
+        names = ", ".join(f"{each.uav} on {each.link}" for each in entries)
+        return f"Waiting for {names}: not heard yet, for {timeout_s:g} s at most."
 
     def _refused(self, link: LinkAddress, frame: Frame, why: str) -> None:
         self.station.refused(link, frame, why)

@@ -8,11 +8,11 @@ from jfto_mavlink.dialect import mavlink
 from jfto_mavlink.errors import CommandError, TransferError
 from jfto_mavlink.mission.build import VehicleMission
 from jfto_mavlink.mission.deliver import verify
-from jfto_mavlink.preflight.facts import Surveyed, snapshot, survey
+from jfto_mavlink.preflight.facts import Aboard, Surveyed, snapshot, survey
 from jfto_mavlink.preflight.ready import unready
 from jfto_mavlink.preflight.settings import GateSettings
 from jfto_mavlink.protocol.command import send_command
-from jfto_mavlink.protocol.exchange import Context, Exchange, Report, Wait
+from jfto_mavlink.protocol.exchange import Context, Exchange, Report, Wait, wait_for
 from jfto_mavlink.protocol.item import Mission
 from jfto_msgs_py.retry import Retry
 
@@ -32,6 +32,9 @@ def inspect(
     With `wait` it may take `settings.wait_s` to become ready to arm. What it then holds is compared
     with the mission `released`, if one is given; parameters are not, they are set at the start.
     """
+    if not (yield from _heard(context, settings.wait_s if wait else 0.0)):
+        # Nobody is there to be asked.
+        return Surveyed(snapshot(context.vehicle, context.clock()), Aboard(unread="not heard"))
     names = tuple(name for name, _ in mission.mission.parameters)
     aboard = yield from survey(context, names)
     if wait:
@@ -44,6 +47,17 @@ def inspect(
             differing = (str(error),)
         aboard = replace(aboard, differing=differing)
     return Surveyed(now, aboard)
+
+
+def _heard(context: Context, wait_s: float) -> Exchange[bool]:
+    """Whether the vehicle has been heard at all; waits for it, and says so."""
+
+    def heard() -> bool:
+        return context.vehicle.heartbeat_s is not None
+
+    if not heard() and wait_s:
+        yield Report(f"not heard yet: it is waited for, {wait_s:g} s at most")
+    return (yield from wait_for(context, heard, wait_s))
 
 
 def wait_ready(context: Context, settings: GateSettings) -> Exchange[None]:

@@ -32,6 +32,9 @@ def home(case: Case) -> Iterator[Finding]:
     rtl_m = case.value("RTL_ALT", 1500.0) / 100
     text = f"RTL_ALT {rtl_m:g} m"
     text += " (stays as high as it is)" if not rtl_m else ""
+    top_m = _fence_top_m(case)
+    if rtl_m > top_m:
+        text += f", held down to {top_m:g} m by {_top_words(case)}"
     if case.value("RTL_ALT_TYPE"):
         cure = "Set RTL_ALT_TYPE 0: no terrain data are served."
         yield Finding("home", RED, f"{text} above terrain that it does not know", cure)
@@ -43,8 +46,9 @@ def home(case: Case) -> Iterator[Finding]:
     room_m = _least_room_m(case, ground)
     needed = rtl_m + _LIMITS.return_clearance_m - room_m
     cure = f"Set RTL_ALT to {100 * np.ceil(needed):.0f} cm or more"
-    if case.value("FENCE_ENABLE") and int(case.value("FENCE_TYPE")) & TOP:
-        cure += ", below FENCE_ALT_MAX"
+    if np.isfinite(top_m):
+        over = f", and raise FENCE_ALT_MAX above {np.ceil(needed + _margin_m(case)):.0f} m"
+        cure += over if needed > top_m else f", below {_top_words(case)}"
     clear = (
         f"clears the ground by {room_m:.0f} m on every straight way home"
         if room_m < np.inf
@@ -68,10 +72,23 @@ def return_heights_m(case: Case, points_m: Array) -> Array:
         away = np.hypot(points_m[:, 0], points_m[:, 1])
         cone = np.maximum(away * slope, points_m[:, 2] + _CLIMB_LEAST_M)
         height = np.minimum(height, cone)
-    if case.value("FENCE_ENABLE") and int(case.value("FENCE_TYPE")) & TOP:
-        safe = case.value("FENCE_ALT_MAX") - case.value("FENCE_MARGIN", 2.0)
-        height = np.minimum(height, safe)
+    height = np.minimum(height, _fence_top_m(case))
     return np.maximum(height, points_m[:, 2])
+
+
+def _fence_top_m(case: Case) -> float:
+    """The height above home that RTL keeps below for the fence, infinite where it has no top."""
+    if case.value("FENCE_ENABLE") and int(case.value("FENCE_TYPE")) & TOP:
+        return case.value("FENCE_ALT_MAX") - _margin_m(case)
+    return np.inf
+
+
+def _margin_m(case: Case) -> float:
+    return case.value("FENCE_MARGIN", 2.0)
+
+
+def _top_words(case: Case) -> str:
+    return f"FENCE_ALT_MAX {case.value('FENCE_ALT_MAX'):g} m less its margin"
 
 
 def _least_room_m(case: Case, ground: Ground) -> float:

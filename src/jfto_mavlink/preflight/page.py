@@ -36,12 +36,16 @@ _FILE = FileKind(
 
 @dataclass(frozen=True)
 class Finding:
-    """One result: `topic` of TOPICS, `level` GREEN, AMBER or RED; `cure` may be ""."""
+    """One result: `topic` of TOPICS, `level` GREEN, AMBER or RED; `cure` may be "".
+
+    `waits` marks what is not ready yet and passes by itself: whoever starts waits for it.
+    """
 
     topic: Annotated[str, OneOf(tuple(TOPICS))]
     level: Annotated[str, OneOf(LEVELS)]
     text: str
     cure: str = ""
+    waits: bool = False
 
     def __str__(self) -> str:
         return f"{self.text}. {self.cure}".strip() if self.cure else self.text
@@ -87,6 +91,12 @@ class Preflight:
     def level(self) -> str:
         """The worst of all."""
         return worst([each for vehicle in self.vehicles for each in vehicle.findings])
+
+    def counts(self) -> dict[str, int]:
+        """How many findings there are of each level, and how many of them are waited for."""
+        found = [each for vehicle in self.vehicles for each in vehicle.findings]
+        levels = {level: sum(each.level == level for each in found) for level in LEVELS}
+        return levels | {"waits": sum(each.waits for each in found)}
 
     def stops(self, *, uploading: bool = False) -> tuple[str, ...]:
         """What speaks against arming, or already against `uploading`: a line each."""

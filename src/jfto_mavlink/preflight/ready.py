@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 from jfto_mavlink.preflight.case import Case
@@ -9,34 +10,75 @@ from jfto_mavlink.preflight.facts import Snapshot
 from jfto_mavlink.preflight.page import AMBER, GREEN, RED, Finding
 from jfto_mavlink.preflight.settings import GateSettings
 
+# Texts of ArduCopter's checks that come with a vehicle just switched on, and go by themselves.
+_SETTLES = re.compile(
+    r"AHRS|EKF|Need (Position|Alt) Estimate|need position|without position|Bad fix|HDOP|differ by|"
+    r"GPS( \d)?: not healthy|GPS glitching|inconsistent|ettling|nitialising|Waiting for|"
+    r"Logging not started|heater temp low|temperature cal running",
+    re.IGNORECASE,
+)
+_SKY = "Give it a clear sky and time."
+_WAITS = "not ready yet, run waits for it"
 # Beyond what the plan allows for by more than this nobody should start.
 WIND_MORE_MPS = 3.0
 
 
 def unready(now: Snapshot, settings: GateSettings) -> Iterator[Finding]:
-    """What speaks against arming and may be over in a moment."""
+    """What speaks against arming and may be over in a moment.
+
+    What passes by itself is red where nobody waits for it any longer, else amber.
+    """
     if now.silent_s > settings.silent_max_s:
         yield Finding("autopilot", RED, f"no heartbeat for {now.silent_s:.0f} s")
     if now.armed:
         yield Finding("autopilot", RED, "is armed already", "Disarm it first.")
     if (now.gps_fix or 0) < settings.gps_fix_min:
         text = f"GPS fix is {now.gps_fix}, needs {settings.gps_fix_min}"
-        yield Finding("position", RED, text, "Give it a clear sky and time.")
+        yield _passing("position", text, _SKY, settings)
     if (now.satellites or 0) < settings.satellites_min:
         text = f"{now.satellites} satellites, needs {settings.satellites_min}"
-        yield Finding("position", RED, text, "Give it a clear sky and time.")
+        yield _passing("position", text, _SKY, settings)
     if not now.ekf_ready:
-        yield Finding("position", RED, "position estimate is not ready", "Let it stand still.")
+        yield _passing(
+            "position", "position estimate is not ready", "Let it stand still.", settings
+        )
     if now.fence_breached:
         yield Finding("autopilot", RED, "is outside its fence")
     if not now.prearm_ok:
-        texts = " ".join(f'"{text}"' for text in now.prearm_texts)
-        yield Finding("autopilot", RED, texts or "checks of the autopilot do not pass")
+        yield from _own_checks(now, settings)
     limit_s, error_s = settings.utc_error_max_s, now.utc_error_s
     if limit_s is not None and (error_s is None or abs(error_s) > limit_s):
         clock = "unknown" if error_s is None else f"{error_s:+.2f} s off"
         text = f"its clock is {clock}, a quarter slot is {limit_s:.2f} s"
-        yield Finding("clock", RED, text, "Wait for GPS time, or set this computer's clock.")
+        cure = "Wait for GPS time, or set this computer's clock."
+        if error_s is None:
+            yield _passing("clock", text, cure, settings)
+        else:
+            yield Finding("clock", RED, text, cure)
+
+
+def _own_checks(now: Snapshot, settings: GateSettings) -> Iterator[Finding]:
+    """What the autopilot says that it misses, in its own words."""
+    lasting = [text for text in now.prearm_texts if not _SETTLES.search(text)]
+    passing = [text for text in now.prearm_texts if _SETTLES.search(text)]
+    if lasting:
+        yield Finding("autopilot", RED, " ".join(f'"{text}"' for text in lasting))
+    if passing:
+        text = " ".join(f'"{text}"' for text in passing)
+        yield _passing("autopilot", text, "Let it stand still.", settings)
+    if not now.prearm_texts:
+        text = "checks of the autopilot do not pass"
+        if now.ekf_ready:
+            yield Finding("autopilot", RED, text)
+        else:
+            # It has not come to them yet.
+            yield _passing("autopilot", text, "Let it stand still.", settings)
+
+
+def _passing(topic: str, text: str, cure: str, settings: GateSettings) -> Finding:
+    if not settings.waited_for:
+        return Finding(topic, RED, text, cure)
+    return Finding(topic, AMBER, f"{text}: {_WAITS}", cure, waits=True)
 
 
 def ready(case: Case) -> Iterator[Finding]:

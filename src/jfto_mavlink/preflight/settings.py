@@ -18,7 +18,8 @@ class GateSettings:
     """What a vehicle must show before it may be armed.
 
     `utc_error_max_s` is a quarter of a slot when the plan is held by the clock, None to leave the
-    clock out. `wait_s` is how long a vehicle may take to become ready. `wind_max_mps` is what the
+    clock out. `wait_s` is how long a vehicle may take to become ready;
+    `waited_for`: this only looks, and whoever starts waits again. `wind_max_mps` is what the
     plan leaves room for, None where it does not say. `drains` and `endurance_s` (without the
     reserve) by UAV say how long its charge lasts, 0 or nothing where nobody knows, and `flown` how
     it spends a planned flight; `battery_reserve_percent` of the capacity must be left on the
@@ -34,6 +35,7 @@ class GateSettings:
     silent_max_s: float = 3.0
     utc_error_max_s: float | None = None
     wait_s: float = 90.0
+    waited_for: bool = False
     wind_max_mps: float | None = None
     drains: Mapping[str, Drain] = field(default_factory=dict)
     flown: Mapping[str, Airborne] = field(default_factory=dict)

@@ -21,13 +21,13 @@ def plan(tiny_run) -> Path:
 
 
 @pytest.fixture
-def vehicles():
-    """Four simulated vehicles that speak to one port, and the roster of them."""
+def vehicles(request):
+    """Four simulated vehicles that speak to one port, and the roster of them; at a speed-up."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
     configs = [VehicleConfig(sysid=n) for n in range(1, 5)]
-    settings = ServerSettings(((f"udpto:127.0.0.1:{port}",),) * 4)
+    settings = ServerSettings(((f"udpto:127.0.0.1:{port}",),) * 4, getattr(request, "param", 1.0))
     roster = ",".join(f"uav{n}={n}@udpin:127.0.0.1:{port}" for n in range(1, 5))
     with SimServer(configs, settings) as server:
         yield server, roster
@@ -118,6 +118,43 @@ def test_parameters_of_an_upload_are_put_back_by_their_record(plan, vehicles, tm
     assert not record.exists()
 
 
+def test_what_is_not_ready_yet_is_amber_for_a_run_waits_for_it(plan, vehicles, capsys, monkeypatch):
+    """Just switched on: no fix, no estimate; status 0, said in words and counted in JSON."""
+    monkeypatch.setattr("jfto.cli.preflight._WAIT_S", 1.0)
+    link = vehicles[1].rpartition("@")[2]
+    assert main(["preflight", str(plan), "--vehicles", link, "--json"]) == 0
+    page = json.loads(capsys.readouterr().out)
+    waits = [f for one in page["vehicles"] for f in one["findings"] if f["waits"]]
+    assert page["level"] == "amber"
+    assert page["counts"]["waits"] == len(waits) >= 4
+    assert page["counts"]["red"] == 0
+    assert all(found["level"] == "amber" for found in waits)
+    assert all("not ready yet, run waits for it" in found["text"] for found in waits)
+
+
+def test_simulated_vehicles_have_the_faults_of_the_scenario(plan, capsys):
+    """`simulated_fleet.faults` given to preflight counts: a vehicle whose compass fails is red."""
+    fault = "simulated_fleet.faults=['param 2 SIM_MAG1_FAIL 1']"
+    assert main(["preflight", str(plan), "--vehicles", "sim", "--json", "--set", fault]) == 1
+    page = json.loads(capsys.readouterr().out)
+    levels = {one["uav"]: {f["topic"]: f for f in one["findings"]} for one in page["vehicles"]}
+    assert levels["uav2"]["autopilot"]["level"] == "red"
+    assert "Compass not healthy" in levels["uav2"]["autopilot"]["text"]
+    assert levels["uav1"]["autopilot"]["level"] == "green"
+
+
+def test_who_is_waited_for_is_said(plan, capsys, monkeypatch):
+    """A port where nobody listens: after 2 s each vehicle with its link, long before the end."""
+    monkeypatch.setattr("jfto.cli.preflight._WAIT_S", 1.0)
+    link = "tcp:127.0.0.1:9"
+    assert main(["preflight", str(plan), "--vehicles", link, "--json"]) == 1
+    told = capsys.readouterr()
+    assert f"Waiting for uav1 on {link}, uav2 on {link}" in told.err
+    page = json.loads(told.out)
+    assert {f["topic"] for one in page["vehicles"] for f in one["findings"]} == {"identity"}
+
+
+@pytest.mark.parametrize("vehicles", [10.0], indirect=True)
 def test_a_plan_is_held_against_vehicles_that_are_elsewhere(plan, vehicles, capsys):
     """FIELD 5, 15, 18: the forms of `run`; status 1, JSON, each reason in full, nothing is sent."""
     server, roster = vehicles

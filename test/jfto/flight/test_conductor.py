@@ -53,6 +53,17 @@ class Stand:
         return " ".join(each.text for each in self.done if isinstance(each, Tell))
 
 
+def test_what_is_waited_for_is_told_after_two_seconds() -> None:
+    """Once per reason: first the bridge, then the vehicle that is silent."""
+    stand = Stand()
+    silent = VehicleStatus()
+    for _ in range(3):
+        stand.see(PAD, silent, note="the bridge has not reported yet")
+    for _ in range(6):
+        stand.see(PAD, silent)
+    assert stand.told == "Waiting: the bridge has not reported yet. Waiting: uav2 not heard."
+
+
 def test_a_flight_is_uploaded_started_and_over_when_all_are_down() -> None:
     """Nothing is ordered twice; the end needs both to be down."""
     stand = Stand()

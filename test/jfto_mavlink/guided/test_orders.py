@@ -9,7 +9,7 @@ import time
 import numpy as np
 import pytest
 
-from jfto.flight.fleet_link import open_fleet
+from jfto.flight.fleet_link import Simulated, open_fleet
 from jfto_mavlink.errors import FlightError, MissionError
 from jfto_mavlink.fleet.fly import Fleet
 from jfto_mavlink.fleet.orders import OrderSettings
@@ -112,7 +112,7 @@ class Field:
 
 @pytest.fixture
 def field(plan, tmp_path):
-    with open_fleet(["sim:2"], plan, speedup=SPEEDUP) as link:
+    with open_fleet(["sim:2"], plan, simulated=Simulated(SPEEDUP)) as link:
         yield Field(plan, link, tmp_path / "flight_state.json")
 
 

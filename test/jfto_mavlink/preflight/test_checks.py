@@ -24,7 +24,8 @@ from jfto_mavlink.preflight.page import (
     read_page,
     write_page,
 )
-from jfto_mavlink.preflight.ready import wind
+from jfto_mavlink.preflight.ready import unready, wind
+from jfto_mavlink.preflight.settings import GateSettings
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.records.battery import Battery
 from jfto_world.motion.battery import Drain
@@ -189,7 +190,46 @@ def test_the_fence_caps_the_height_of_rtl(make_case):
 
     high = {"RTL_ALT": 9500.0, "RTL_CONE_SLOPE": 0.0, **ON, "FENCE_ALT_MAX": 60.0}
     (found,) = home(make_case(high, settings={"ground": ground}))
-    assert (found.level, "below FENCE_ALT_MAX" in found.cure) == (RED, True)
+    assert found.level == RED
+    assert "RTL_ALT 95 m, held down to 58 m by FENCE_ALT_MAX 60 m less its margin" in found.text
+    assert "and raise FENCE_ALT_MAX above" in found.cure
+    higher = {**high, "FENCE_ALT_MAX": 120.0, "RTL_ALT": 6000.0}
+    (found,) = home(make_case(higher, settings={"ground": ground}))
+    assert "below FENCE_ALT_MAX 120 m less its margin" in found.cure
+
+
+@pytest.mark.parametrize(
+    ("now", "waits", "stops"),
+    [
+        ({"gps_fix": 1}, ("position",), ()),
+        ({"satellites": 3, "ekf_ready": False}, ("position", "position"), ()),
+        ({"prearm_ok": False, "ekf_ready": False}, ("position", "autopilot"), ()),
+        ({"prearm_ok": False}, (), ("autopilot",)),
+        ({"prearm_ok": False, "prearm_texts": ("PreArm: GPS 1: Bad fix",)}, ("autopilot",), ()),
+        ({"prearm_ok": False, "prearm_texts": ("PreArm: Gyros inconsistent",)}, ("autopilot",), ()),
+        ({"prearm_ok": False, "prearm_texts": ("PreArm: RC not found",)}, (), ("autopilot",)),
+        (
+            {
+                "prearm_ok": False,
+                "prearm_texts": ("PreArm: AHRS: x", "PreArm: Compass not healthy"),
+            },
+            ("autopilot",),
+            ("autopilot",),
+        ),
+        ({"armed": True}, (), ("autopilot",)),
+        ({"fence_breached": True}, (), ("autopilot",)),
+        ({"silent_s": 9.0}, (), ("autopilot",)),
+    ],
+)
+def test_what_passes_by_itself_is_amber_until_nobody_waits(make_case, now, waits, stops):
+    """Fix, estimate and what settles: amber where a run waits later, red at the gate's end."""
+    looked = list(unready(make_case(now=now).now, GateSettings(waited_for=True)))
+    assert tuple(f.topic for f in looked if f.waits) == waits
+    assert tuple(f.topic for f in looked if f.level == RED) == stops
+    assert all((f.level, "run waits for it" in f.text) == (AMBER, True) for f in looked if f.waits)
+    at_last = list(unready(make_case(now=now).now, GateSettings()))
+    assert [f.level for f in at_last] == [RED] * len(looked)
+    assert not any(f.waits for f in at_last)
 
 
 def test_parameters_are_told_old_to_new(make_case):
