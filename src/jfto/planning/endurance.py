@@ -63,3 +63,18 @@ def latest_arrivals_s(scenario: Scenario, waypoints_m: Array, pads_m: Array) -> 
             )
         latest[a] = min(latest[a] or math.inf, math.floor(allowed_s))
     return latest
+
+
+def longest_arrivals_s(scenario: Scenario) -> Array:
+    """No UAV (A,) can be later at its last waypoint, wherever that is, s."""
+    fleet, latest = scenario.fleet, np.array(scenario.fleet.t_max_s)
+    latest[latest == 0] = np.inf
+    for a, limits in enumerate(fleet_limits(scenario)):
+        battery = battery_of(scenario, a)
+        if battery is not None:
+            drain = Drain(battery, limits.speed_mps, planned_wind_mps(scenario))
+            least_w = min(drain.moving_w, battery.hover_power_w)
+            latest[a] = min(latest[a], battery.usable_wh * HOUR_S / least_w)
+        if fleet.endurance_s[a]:
+            latest[a] = min(latest[a], fleet.endurance_s[a])
+    return latest

@@ -31,13 +31,10 @@ def routing_problem(scenario: Scenario, found: Survey) -> RoutingProblem:
     """The routing problem of a scenario; raises InfeasibleError where its starts cannot serve."""
     fleet, mission, network = scenario.fleet, scenario.mission, scenario.network
     radio = scenario.radio
-    channel = make_channel(radio)
-    reach = channel.reach(
-        dbm_to_w(np.array(fleet.p_max_dbm)), float(dbm_to_w(radio.sensitivity_dbm))
-    )
+    channel, reach = make_channel(radio), _reach_m(scenario)
     waypoints = np.array([waypoint.position_m for waypoint in found.waypoints])
     flight = flight_of(scenario)
-    pads = _pads(scenario, found, waypoints, reach)
+    pads = pads_of(scenario, found)
     if flight.estimated:
         pads = np.array(rounded_record(pads))
     check_starts(pads, reach, network.k_min, mission.d_min_m, fleet.ids)
@@ -96,9 +93,17 @@ def _closed_legs(scenario: Scenario, found: Survey, waypoints: Array, pads: Arra
     return low_legs(waypoints, above, rule.height, rule.clearance_m, rule.start_clearance_m)
 
 
-def _pads(scenario: Scenario, found: Survey, waypoints: Array, reach: Array) -> Array:
+def _reach_m(scenario: Scenario) -> Array:
+    """How far each UAV (A,) is heard at its greatest power."""
+    radio, power_w = scenario.radio, dbm_to_w(np.array(scenario.fleet.p_max_dbm))
+    return make_channel(radio).reach(power_w, float(dbm_to_w(radio.sensitivity_dbm)))
+
+
+def pads_of(scenario: Scenario, found: Survey) -> Array:
     """Pad of each UAV (A, 3): on the given starting points in turn, or chosen."""
+    waypoints = np.array([waypoint.position_m for waypoint in found.waypoints])
     given = np.array(scenario.starts.positions_m).reshape(-1, 2)
+    given = given if found.starts_m is None else found.starts_m
     d_min_m = scenario.mission.d_min_m
     if len(given):
         start_of = np.arange(scenario.fleet.count) % len(given)
@@ -106,7 +111,7 @@ def _pads(scenario: Scenario, found: Survey, waypoints: Array, reach: Array) -> 
     return choose_starts(
         waypoints,
         min(scenario.starts.count, len(waypoints)),
-        reach,
+        _reach_m(scenario),
         scenario.network.k_min,
         d_min_m,
         found.dem.height,

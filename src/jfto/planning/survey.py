@@ -13,6 +13,7 @@ from jfto.planning.terrain import load_ground
 from jfto_msgs_py.errors import WaypointError
 from jfto_msgs_py.records.plan import Waypoint
 from jfto_msgs_py.scenario.survey import CameraPart, CoveragePart
+from jfto_msgs_py.types import Array
 from jfto_planner.coverage import (
     Assumed,
     Camera,
@@ -31,13 +32,15 @@ from jfto_world.terrain import Dem
 class Survey:
     """Ground and waypoints; `coverage` is None where the waypoints were drawn at random.
 
-    `notes` say in a line each what a file of waypoints holds that is not used.
+    `notes` say in a line each what a file of waypoints holds that is not used. `starts_m` (S, 2)
+    are starting points in the place of the scenario's, ENU, where a sortie has its own.
     """
 
     dem: Dem
     waypoints: tuple[Waypoint, ...]
     coverage: Coverage | None
     notes: tuple[str, ...] = ()
+    starts_m: Array | None = None
 
 
 def survey(loaded: LoadedScenario, progress: Progress = SILENT) -> Survey:

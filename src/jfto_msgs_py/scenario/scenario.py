@@ -13,6 +13,7 @@ from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.scenario.fleet import FleetPart, StartsPart
 from jfto_msgs_py.scenario.mission import EvaluationPart, MissionPart, NetworkPart, SearchPart
 from jfto_msgs_py.scenario.simulation import SimulationPart
+from jfto_msgs_py.scenario.sorties import SortiesPart
 from jfto_msgs_py.scenario.survey import (
     AreaPart,
     CameraPart,
@@ -34,6 +35,7 @@ class Scenario:
     coverage: CoveragePart = field(default_factory=CoveragePart)
     fleet: FleetPart = field(default_factory=FleetPart)
     starts: StartsPart = field(default_factory=StartsPart)
+    sorties: SortiesPart = field(default_factory=SortiesPart)
     radio: Radio = field(default_factory=Radio)
     network: NetworkPart = field(default_factory=NetworkPart)
     mission: MissionPart = field(default_factory=MissionPart)
@@ -68,6 +70,7 @@ PARTS: dict[str, type] = {
     "coverage": CoveragePart,
     "fleet": FleetPart,
     "starts": StartsPart,
+    "sorties": SortiesPart,
     "radio": Radio,
     "network": NetworkPart,
     "mission": MissionPart,

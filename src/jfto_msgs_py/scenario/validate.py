@@ -216,12 +216,12 @@ def _check_photos(values: dict[str, Any], complain: Any) -> None:
 
 
 def _check_starts(values: dict[str, Any], complain: Any) -> None:
-    positions = _value(values, "starts.positions_m")
-    if len(positions) % 2:
-        complain(
-            "starts.positions_m",
-            f"has {len(positions)} numbers, needs pairs of east and north. Add or remove one.",
-        )
+    for name in ("starts.positions_m", "sorties.positions_m"):
+        numbers = len(_value(values, name))
+        if numbers % 2:
+            complain(
+                name, f"has {numbers} numbers, needs pairs of east and north. Add or remove one."
+            )
     count, starts = _value(values, "fleet.count"), _value(values, "starts.count")
     if starts > count:
         if "starts.count" in values:

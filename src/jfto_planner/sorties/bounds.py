@@ -15,24 +15,6 @@ from jfto_world.motion import ConstantSpeed, MotionLimits
 _LEAST_S = 1e-9
 
 
-def least_by_missions(waypoints: int, uavs: int, most_photos: int) -> int:
-    """Sorties so that no mission has more photos than an autopilot holds.
-
-    Parameters
-    ----------
-    waypoints, uavs
-        How many there are.
-    most_photos
-        That one mission holds.
-
-    Returns
-    -------
-    int
-        1 or more.
-    """
-    return max(1, -(-waypoints // (uavs * most_photos)))
-
-
 def least_by_time(
     waypoints_m: Array, limits: Sequence[MotionLimits], latest_s: Array, stop_s: float = 0.0
 ) -> int:

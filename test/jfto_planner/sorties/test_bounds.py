@@ -3,20 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jfto_planner.sorties import least_by_missions, least_by_time
+from jfto_planner.sorties import least_by_time
 from jfto_world.motion import ConstantSpeed, MotionLimits
 
 LIMITS = MotionLimits(10.0, 4.0, 3.0)
-
-
-@pytest.mark.parametrize(("photos", "needed"), [(1, 1), (320, 1), (321, 2), (960, 3)])
-def test_missions_hold_so_many_photos(photos, needed):
-    """Two UAVs of 160 photos each."""
-    assert least_by_missions(photos, 2, 160) == needed
 
 
 def test_the_legs_must_fit_into_the_time():
