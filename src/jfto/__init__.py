@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from jfto_msgs_py.lazy import lazy_names
 
 if TYPE_CHECKING:
-    from jfto.api import compare, cover, load_scenario, plan, power, report, topology
+    from jfto.api import compare, cover, load_scenario, plan, plan_sorties, power, report, topology
 
 __version__ = "0.1.0"
 __all__ = [
@@ -16,6 +16,7 @@ __all__ = [
     "cover",
     "load_scenario",
     "plan",
+    "plan_sorties",
     "power",
     "report",
     "topology",

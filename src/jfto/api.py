@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 from jfto.console.progress import SILENT, Progress
 from jfto.planning.scenario_file import LoadedScenario
 from jfto.planning.scenario_file import load_scenario as _load
-from jfto_msgs_py.errors import InputError
+from jfto_msgs_py.errors import InfeasibleError, InputError
 from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.whole_numbers import checked_seed
 
@@ -103,6 +103,8 @@ def plan(
 ) -> Plan:
     """Routes over a scenario's waypoints under its radio rules, timed as flown, and certified.
 
+    One flight, whether it does or not: `plan_sorties` makes several where it does not.
+
     Parameters
     ----------
     scenario
@@ -122,18 +124,55 @@ def plan(
     Raises
     ------
     InfeasibleError
-        The starts or the wind leave no plan at all.
+        The starts or the wind leave no plan at all, missions do not hold it, or sorties.count asks
+        for several.
     InputError
         Terrain, waypoints, `seed` (0 to 2147483647) or `warm_start` cannot be used.
     """
     from jfto.planning.routes import plan_routes
     from jfto.planning.survey import survey
 
-    loaded = _loaded(scenario)
-    if seed is not None:
-        search = replace(loaded.scenario.search, seed=checked_seed(seed))
-        loaded = replace(loaded, scenario=replace(loaded.scenario, search=search))
+    loaded = _seeded(_loaded(scenario), seed)
+    if loaded.scenario.sorties.count > 1:
+        raise InfeasibleError(
+            f"sorties.count is {loaded.scenario.sorties.count}, and this is one plan.",
+            cures=("jfto.plan_sorties(scenario)", "sorties.count 1"),
+        )
     return plan_routes(loaded.scenario, survey(loaded, progress), progress, warm_start).plan
+
+
+def plan_sorties(
+    scenario: ScenarioLike, *, seed: int | None = None, progress: Progress = SILENT
+) -> tuple[Plan, ...]:
+    """Plans of as few flights as are found to do, or of sorties.count; one where one does.
+
+    Parameters
+    ----------
+    scenario
+        A loaded scenario or the path of one; its part sorties says how many, and from where.
+    seed
+        Seed of the searches, the scenario's where None; the same gives the same bytes.
+    progress
+        Hears of stages and shares done.
+
+    Returns
+    -------
+    tuple of Plan
+        In the order in which they are flown; several are clean, each with waypoints of its own. One
+        alone may break rules, which its `certificate` names, where no division does either.
+
+    Raises
+    ------
+    InfeasibleError
+        There is nothing to show.
+    InputError
+        Terrain, waypoints or `seed` (0 to 2147483647) cannot be used.
+    """
+    from jfto.planning.sorties import plan_sorties as planned_sorties
+    from jfto.planning.survey import survey
+
+    loaded = _seeded(_loaded(scenario), seed)
+    return planned_sorties(loaded.scenario, survey(loaded, progress), progress).plans
 
 
 def topology(plan: Plan) -> Topology:
@@ -261,6 +300,14 @@ def _loaded(scenario: ScenarioLike) -> LoadedScenario:
             f"A scenario is one of jfto.load_scenario or the path of one, not {_kind(scenario)}."
         )
     return _load(scenario)
+
+
+def _seeded(loaded: LoadedScenario, seed: int | None) -> LoadedScenario:
+    """The scenario with another seed of its search, or as it is."""
+    if seed is None:
+        return loaded
+    search = replace(loaded.scenario.search, seed=checked_seed(seed))
+    return replace(loaded, scenario=replace(loaded.scenario, search=search))
 
 
 def _checked(plan: Plan, function: str) -> Plan:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from jfto_msgs_py.records.certificate import Certificate
@@ -41,6 +42,14 @@ def flight_time(plan: Plan) -> str:
     if plan.landed_s is None:
         return f"{done_s:.0f} s to the last waypoint; the way home is not planned"
     return f"{plan.landed_s:.0f} s until all have landed, {done_s:.0f} s to the last waypoint"
+
+
+def sorties(plans: Sequence[Plan], least: int) -> str:
+    """How many flights, of whom and how long, and how many it takes at least."""
+    fleet = f"{len(plans[0].uavs)} UAV{'s' * (len(plans[0].uavs) > 1)}"
+    minutes = [math.ceil((plan.landed_s or plan.slots.horizon_s) / 60) for plan in plans]
+    long = f"{min(minutes)} to {max(minutes)}" if min(minutes) < max(minutes) else f"{minutes[0]}"
+    return f"{len(plans)} sorties, {fleet}, {long} min each (at least {least} by time)"
 
 
 def way_home(plan: Plan) -> str:

@@ -134,23 +134,31 @@ def _alternatives(path: Path) -> str:
 
 
 def write_file(path: Path, content: str | bytes) -> None:
-    """Write to a temporary name beside `path`, then rename, so that nobody ever sees half of it.
+    """Write one file as `write_files` does."""
+    write_files({path: content})
 
-    Text goes out as UTF-8. Raises InputError where the file cannot be written.
+
+def write_files(contents: Mapping[Path, str | bytes]) -> None:
+    """Write files, all or none: under temporary names, renamed once all are there, so that nobody
+    ever sees half of it. Text goes out as UTF-8. Raises InputError for what cannot be written.
     """
-    data = content.encode() if isinstance(content, str) else content
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    ready, path = dict[Path, Path](), Path()
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        temporary.write_bytes(data)
-        temporary.replace(path)
+        for path, content in contents.items():
+            ready[path] = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+            path.parent.mkdir(parents=True, exist_ok=True)
+            ready[path].write_bytes(content.encode() if isinstance(content, str) else content)
+            if path.is_dir():
+                raise IsADirectoryError(0, "Is a directory")
+        for path, temporary in ready.items():
+            temporary.replace(path)
     except OSError as cause:
         # Where even the half-written file cannot be removed, the first error is the one to tell.
         with contextlib.suppress(OSError):
-            temporary.unlink()
-        raise InputError(
-            f"{path}: cannot be written: {cause.strerror}. Name another place with --out."
-        ) from None
+            for temporary in ready.values():
+                temporary.unlink(missing_ok=True)
+        cure = "Name another place with --out."
+        raise InputError(f"{path}: cannot be written: {cause.strerror}. {cure}") from None
 
 
 def write_json(path: Path, facts: Any) -> Path:

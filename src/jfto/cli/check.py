@@ -14,26 +14,44 @@ if TYPE_CHECKING:
 
 
 @click.command("check")
-@click.argument("plan", type=PATH)
+@click.argument("plans", type=PATH, nargs=-1, required=True, metavar="PLAN…")
 @json_option
-def command(plan: Path, as_json: bool) -> int:
-    """Verify PLAN from its positions alone, with code that planning does not use.
+def command(plans: tuple[Path, ...], as_json: bool) -> int:
+    """Verify each PLAN from its positions alone, with code that planning does not use.
 
     Every slot and ten instants between slots: visits, separation, neighbours, connectivity,
-    durations, lengths, energy; and the ways home down to the pads. Status 0 if all holds, 3 if not.
+    durations, lengths, energy; and the ways home down to the pads. Several are the sorties of one
+    scenario: every waypoint is in one of them. Status 0 if all holds, 3 if not.
     """
-    from jfto import words
     from jfto.cli.failure import EXIT_INFEASIBLE
     from jfto.cli.results import plan_facts
     from jfto.planning.routes import read_and_certify
+    from jfto.planning.sorties import faults_together
 
-    read = read_and_certify(plan)
-    certificate = read.certificate
-    assert certificate is not None
+    read = [read_and_certify(path) for path in plans]
+    faults = faults_together(read) if len(read) > 1 else ()
     if as_json:
-        print_json(plan_facts(read, str(plan)))
-        return 0 if certificate.clean else EXIT_INFEASIBLE
-    click.echo(f"{plan}: {len(read.uavs)} UAVs, {len(read.waypoints)} waypoints")
+        facts = [plan_facts(one, str(path)) for one, path in zip(read, plans, strict=True)]
+        print_json(facts[0] if len(facts) == 1 else {"sorties": facts, "together": list(faults)})
+    else:
+        for one, path in zip(read, plans, strict=True):
+            _print(one, path)
+        for fault in faults:
+            click.echo(f"✗ {fault}")
+        if len(read) > 1 and not faults:
+            count = len({waypoint.id for one in read for waypoint in one.waypoints})
+            click.echo(f"✓ {len(read)} sorties, each of {count} waypoints in one of them")
+    good = all(one.clean for one in read) and not faults
+    return 0 if good else EXIT_INFEASIBLE
+
+
+def _print(read: Plan, path: Path) -> None:
+    from jfto import words
+
+    certificate, sortie = read.certificate, read.sortie
+    assert certificate is not None
+    part = f", sortie {sortie.number} of {sortie.count}" if sortie.count > 1 else ""
+    click.echo(f"{path}: {len(read.uavs)} UAVs, {len(read.waypoints)} waypoints{part}")
     facts = {
         "neighbours": f"{certificate.slot_violations} of {certificate.slot_checks} slot checks "
         f"violated, {certificate.fine_violations} violations at 10 × finer sampling",
@@ -53,7 +71,6 @@ def command(plan: Path, as_json: bool) -> int:
     if len(certificate.violations) > 20:
         click.echo(f"  and {len(certificate.violations) - 20} more (--json lists all)")
     click.echo("✓ verified" if certificate.clean else "✗ not feasible")
-    return 0 if certificate.clean else EXIT_INFEASIBLE
 
 
 def _battery(plan: Plan) -> str:

@@ -23,37 +23,47 @@ def command(
 ) -> int:
     """Plan the routes of SCENARIO and write a verified plan.
 
+    Where one flight does not do, FILE-1.json, FILE-2.json and so on are plans of several sorties.
     The same scenario and seed give the same bytes. An infeasible scenario ends with status 3 and
     the closest plan in FILE's .infeasible.json. Ctrl-C keeps the best plan so far.
 
     \b
     Example:  jfto plan config/wanglang.yaml -o plan.json --seed 1
     """
+    from jfto import words
     from jfto.cli.failure import EXIT_INFEASIBLE, EXIT_INTERRUPTED
     from jfto.cli.results import plan_facts, print_infeasible
     from jfto.console.stages import show_stages
-    from jfto.pipeline.run import save_plan
+    from jfto.pipeline.run import save_plans
     from jfto.planning.cures import would_help
-    from jfto.planning.routes import plan_routes
+    from jfto.planning.sorties import plan_sorties
     from jfto.planning.survey import survey
     from jfto_msgs_py.plan_file import read_plan
 
     earlier = None if warm_start is None else read_plan(warm_start)
     with show_stages(quiet=as_json) as progress:
         found = survey(loaded, progress)
-        planned = plan_routes(loaded.scenario, found, progress, warm_start=earlier)
+        sorties = plan_sorties(loaded.scenario, found, progress, warm_start=earlier)
+        planned = sorties.sorties[0]
         cures = would_help(planned, found.dem, progress)
-    path = save_plan(planned.plan, out or Path("plan.json"))
+    paths = save_plans(sorties.plans, out or Path("plan.json"))
+    path = paths[0]
     if as_json:
         learned = {"learned": planned.learned} if planned.learned else {}
-        print_json(plan_facts(planned.plan, str(path), cures) | learned)
+        facts = [plan_facts(p, str(at), cures) for p, at in zip(sorties.plans, paths, strict=True)]
+        several = {"sorties": facts, "least": sorties.least} if len(facts) > 1 else {}
+        print_json(facts[0] | learned | several)
     if not planned.plan.clean:
         if not as_json:
             print_infeasible(planned.plan, str(path), cures)
         return EXIT_INTERRUPTED if planned.interrupted else EXIT_INFEASIBLE
     if planned.interrupted:
-        click.echo(f"Interrupted. The best plan so far is kept and verified: {path}", err=True)
+        kept = ", ".join(map(str, paths))
+        click.echo(f"Interrupted. The best plan so far is kept and verified: {kept}", err=True)
         return EXIT_INTERRUPTED
     if not as_json:
-        click.echo(f"Plan        {path}")
+        if len(paths) > 1:
+            click.echo(f"Sorties     {words.sorties(sorties.plans, sorties.least)}")
+        for each in paths:
+            click.echo(f"Plan        {each}")
     return 0

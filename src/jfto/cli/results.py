@@ -158,6 +158,15 @@ def print_run(loaded: LoadedScenario, run: Run, end: FlightEnd | None, *, as_jso
     click.echo(f"Report      {run.report}")
 
 
+def next_sortie(scenario: Path, directory: Path, plan: Plan) -> str:
+    """Which sortie that was, and how to fly the next one."""
+    sortie = plan.sortie
+    said = f"Sortie      {sortie.number} of {sortie.count}"
+    if sortie.number < sortie.count:
+        said += f"; next: jfto run {scenario} -o {directory} --sortie {sortie.number + 1}"
+    return said
+
+
 def _flight_facts(run: Run, end: FlightEnd) -> dict[str, Any]:
     facts = run.flight
     return {

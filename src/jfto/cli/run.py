@@ -71,6 +71,12 @@ def flight_options(function: Function) -> Function:
     help="Instead of SCENARIO: take over the flight of DIR, whose jfto run was killed while its "
     "vehicles fly on.",
 )
+@click.option(
+    "--sortie",
+    type=click.IntRange(1),
+    metavar="N",
+    help="Where one flight does not do: the one to fly. Default: the first.",
+)
 @flight_options
 def command(
     loaded: LoadedScenario | None, plan_file: Path | None, resumed: Path | None, **choices: Any
@@ -82,6 +88,9 @@ def command(
     bag, vehicle logs and report go to one directory. Vehicles are simulated unless --vehicles names
     others: those are armed on --arm or on a typed word only.
 
+    Where one flight does not do, sorties are planned, and one is flown at a time, in DIR/sortie-N:
+    name the same DIR each time, and what one left undone is added to the next.
+
     Ctrl-C before the start leaves everything on the ground. In flight the first one orders the
     fleet home and follows it until it is down, the second leaves it on its way.
 
@@ -90,6 +99,7 @@ def command(
 
     \b
     Example:  jfto run config/demo.yaml
+              jfto run mine.yaml -o field --sortie 2
               jfto run mine.yaml --until arm --vehicles udpin:0.0.0.0:14550
               jfto run --resume flight
     """
@@ -99,6 +109,8 @@ def command(
         return _resume(resumed.resolve(), as_json=choices["as_json"])
     if loaded is None:
         raise click.UsageError("Missing argument 'SCENARIO'.")
+    if plan_file is not None and choices["sortie"]:
+        raise click.UsageError("--plan names the sortie to fly: leave --sortie out.")
     return run(loaded, plan_file, choices)
 
 
@@ -126,17 +138,18 @@ def _resume(directory: Path, *, as_json: bool) -> int:
 def run(loaded: LoadedScenario, plan_file: Path | None, choices: dict[str, Any]) -> int:
     """Plan, or take `plan_file`; fly; report. `choices` are those of `flight_options`."""
     from jfto.cli.failure import EXIT_INFEASIBLE, EXIT_INTERRUPTED
-    from jfto.cli.results import print_run, run_status
+    from jfto.cli.results import next_sortie, print_run, run_status
     from jfto.console.stages import show_stages
     from jfto.pipeline.directory import make_run_directory, require_no_flight, what_is_kept
     from jfto.pipeline.run import Pipeline
+    from jfto.pipeline.sorties import report_others, sortie_run
 
     as_json = choices["as_json"]
     vehicles = None if choices["until"] == "plan" else _vehicles(loaded, choices)
-    directory = make_run_directory(choices["out"]).resolve()
+    whole = directory = make_run_directory(choices["out"]).resolve()
     if vehicles is not None:
         require_no_flight(directory)
-    flight = None
+    flight, number = None, choices.get("sortie")
     with show_stages(quiet=as_json) as progress:
         progress.console.line(_scenario_line(loaded))
         pipeline = Pipeline(loaded, directory, progress)
@@ -144,18 +157,28 @@ def run(loaded: LoadedScenario, plan_file: Path | None, choices: dict[str, Any])
             planned = pipeline.plan() if plan_file is None else pipeline.take(plan_file)
             if planned.interrupted:
                 raise KeyboardInterrupt
+            all_planned = planned
+            if planned.sorties or number:
+                pipeline, planned = sortie_run(loaded, whole, planned, number or 1, progress)
+                directory = planned.plan_path.parent
+                if vehicles is not None:
+                    require_no_flight(directory)
             if vehicles is not None and planned.plan.clean:
                 _require_flight_times(planned.plan.time_model)
                 flight = _fly(loaded, planned, vehicles, choices, progress)
             # A dry run draws nothing: what lies there from before still holds.
             dry = flight is not None and choices["until"] is not None
             finished = planned if dry else pipeline.report(planned)
+            if not (dry or number):
+                report_others(loaded, whole, all_planned, 1, progress)
         except KeyboardInterrupt:
             state = "" if flight is None else f" {flight.outcome.text}"
             progress.console.hide()
             click.echo(f"Interrupted.{state} {what_is_kept(directory)}", err=True)
             return EXIT_INTERRUPTED
     print_run(loaded, finished, flight, as_json=as_json)
+    if not as_json and all_planned.sorties:
+        click.echo(next_sortie(loaded.path, whole, finished.plan))
     return run_status(finished, flight) if finished.plan.clean else EXIT_INFEASIBLE
 
 

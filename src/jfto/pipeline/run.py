@@ -49,7 +49,8 @@ _KEPT = "kept: made of the same scenario, terrain and program"
 class Run:
     """What a run came to. `plan_path` names an infeasible plan where the certificate is not clean;
     `report` and `comparison` are None where the run ended after planning, `flight` where no flight
-    is on record. `cures` would help an infeasible plan that was made in this run.
+    is on record. `cures` would help an infeasible plan that was made in this run. `sorties` are the
+    plan files of all sorties where there are several, `plan` then being the first.
     """
 
     plan: Plan
@@ -59,6 +60,7 @@ class Run:
     report: Path | None = None
     flight: FlightFacts | None = None
     cures: tuple[str, ...] = ()
+    sorties: tuple[Path, ...] = ()
 
 
 def rebuild(directory: Path, progress: Progress = SILENT) -> Run:
@@ -87,6 +89,17 @@ def save_plan(plan: Plan, path: Path) -> Path:
         path = path.with_name(f"{path.stem}.infeasible.json")
     write_plan(plan, path)
     return path
+
+
+def save_plans(plans: tuple[Plan, ...], path: Path) -> tuple[Path, ...]:
+    """Write one plan as `save_plan` does, or the plans of several sorties beside `path`."""
+    from jfto.pipeline.sorties import forget_sorties, save_sorties
+
+    if len(plans) > 1:
+        return save_sorties(plans, path)
+    if plans[0].clean:
+        forget_sorties(path)
+    return (save_plan(plans[0], path),)
 
 
 class Pipeline:
@@ -119,7 +132,7 @@ class Pipeline:
         if kept is not None:
             return kept
         from jfto.planning.cures import would_help
-        from jfto.planning.routes import plan_routes
+        from jfto.planning.sorties import plan_sorties
         from jfto.planning.survey import survey
 
         found = survey(self._loaded, self._progress)
@@ -133,12 +146,16 @@ class Pipeline:
                 write_json(self._directory / COVERAGE_NAME, coverage_object(found.coverage))
             )
         self._dem = found.dem
-        planned = plan_routes(scenario, found, self._progress)
-        cures = would_help(planned, found.dem, self._progress)
-        path = save_plan(planned.plan, self._directory / PLAN_NAME)
+        planned = plan_sorties(scenario, found, self._progress)
+        first = planned.sorties[0]
+        cures = would_help(first, found.dem, self._progress)
+        paths = save_plans(planned.plans, self._directory / PLAN_NAME)
         if not planned.interrupted:
-            self._products.made("plan", inputs, [*files, path])
-        return Run(planned.plan, path, interrupted=planned.interrupted, cures=cures)
+            self._products.made("plan", inputs, [*files, *paths])
+        several = paths if len(paths) > 1 else ()
+        return Run(
+            first.plan, paths[0], interrupted=planned.interrupted, cures=cures, sorties=several
+        )
 
     def take(self, file: Path) -> Run:
         """A plan that is there already, checked anew and copied to the directory.
@@ -165,6 +182,10 @@ class Pipeline:
         self._products.made("plan", inputs, [path])
         return Run(plan, path)
 
+    def keep(self, plan: Plan) -> Run:
+        """A certified plan that was made elsewhere, written to the directory."""
+        return Run(plan, save_plan(plan, self._directory / PLAN_NAME))
+
     def report(self, run: Run) -> Run:
         """What comes after the plan, and after the flight where one is on record."""
         inputs = digest([self._configuration, *self._given, run.plan_path])
@@ -179,10 +200,10 @@ class Pipeline:
         files = self._products.kept("plan", inputs)
         if not files:
             return None
-        path = files[-1]
-        plan = read_plan(path)
+        paths = tuple(file for file in files if file.name != COVERAGE_NAME)
+        plan = read_plan(paths[0])
         self._progress.end("routes", f"{plan.total_length_m / 1000:.2f} km", _KEPT, good=plan.clean)
-        return Run(plan, path)
+        return Run(plan, paths[0], sorties=paths if len(paths) > 1 else ())
 
     def _compared(self, plan: Plan) -> Comparison:
         """The comparison, in memory and in files. It takes no time, so it is not kept."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -67,10 +68,11 @@ def plan_sorties(
     if scenario.sorties.count:
         return trials.exactly(scenario.sorties.count)
     least = least_sorties(scenario, found)
-    alone: Planned | InfeasibleError
+    alone: Planned | InfeasibleError | None = None
+    everything = trials.part(np.arange(len(found.waypoints)))
     if least == 1:
         try:
-            alone = plan_routes(scenario, trials.part(np.arange(len(found.waypoints))), progress)
+            alone = plan_routes(scenario, everything, progress)
         except InfeasibleError as error:
             alone = error
         else:
@@ -80,17 +82,16 @@ def plan_sorties(
     else:
         for note in speed_notes(scenario):
             progress.warn(note)
-        alone = InfeasibleError(
-            f"{least} sorties or more are needed by the time alone, and no division into up to "
-            f"{scenario.sorties.most} (sorties.most) was found in which each keeps every rule.",
-            cures=("more UAVs (fleet.count)", "a larger fleet.t_max_s or fleet.battery_wh"),
-        )
     several = trials.as_few_as_do(least)
     if several is not None:
         return replace(several, least=least)
+    progress.warn(
+        f"No division into up to {scenario.sorties.most} sorties (sorties.most) was found in which "
+        "each keeps every rule."
+    )
     if isinstance(alone, InfeasibleError):
         raise alone
-    return PlannedSorties((alone,))
+    return PlannedSorties((alone or plan_routes(scenario, everything, progress),), least)
 
 
 def least_sorties(scenario: Scenario, found: Survey) -> int:
@@ -240,3 +241,30 @@ def _in_words(plan: Plan) -> tuple[str, str]:
         f"{plan.total_length_m / 1000:.2f} km",
         f"{detail}, all landed after {plan.landed_s or 0.0:.0f} s",
     )
+
+
+def faults_together(plans: Sequence[Plan]) -> tuple[str, ...]:
+    """Why plans are not the sorties of one scenario with every waypoint in one; empty if they are.
+
+    Places that routes merely pass do not count.
+    """
+    found = []
+    first, numbers = plans[0], Counter(plan.sortie.number for plan in plans)
+    count = max(plan.sortie.count for plan in plans)
+    for plan in plans[1:]:
+        if plan.scenario_hash != first.scenario_hash:
+            found.append(f"sortie {plan.sortie.number} was planned for another scenario")
+    for number in range(1, count + 1):
+        if numbers[number] != 1:
+            given = "is given twice" if numbers[number] else f"of {count} is not given"
+            found.append(f"sortie {number} {given}")
+    where: dict[int, list[int]] = {}
+    for plan in plans:
+        for waypoint in plan.waypoints:
+            if waypoint.photo:
+                where.setdefault(waypoint.id, []).append(plan.sortie.number)
+    for waypoint_id, sorties in sorted(where.items()):
+        if len(sorties) > 1:
+            among = ", ".join(map(str, sorties))
+            found.append(f"waypoint {waypoint_id} is in sorties {among}")
+    return tuple(found)

@@ -83,8 +83,32 @@ def search(
     """
     settings = settings or SearchSettings()
     given = None if warm_start is None else _checked(problem, warm_start)
+    if problem.waypoint_count == 1:
+        # The kernel moves waypoints to others near them, which a single one has not.
+        checked_seed(seed)
+        return _of_one_waypoint(problem)
     monitor = _Monitor(problem, settings, checked_seed(seed), given)
     return monitor.run(progress)
+
+
+def _of_one_waypoint(problem: RoutingProblem) -> SearchResult:
+    """Who flies to the only waypoint: everybody is tried, the shortest sound way counts."""
+    begun_s = time.monotonic()
+    tried = []
+    for flying in range(problem.uav_count):
+        routes: Routes = tuple((0,) if a == flying else () for a in range(problem.uav_count))
+        tried.append((assess(problem, routes), routes))
+    best, routes = min(tried, key=lambda one: (one[0].severity, one[0].length_m))
+    return SearchResult(
+        routes=routes,
+        length_m=best.length_m,
+        feasible=best.clean,
+        assessment=best,
+        moves=len(tried),
+        seconds=time.monotonic() - begun_s,
+        stopped_by="",
+        lengths_m=(best.length_m if best.clean else float("inf"),),
+    )
 
 
 class _Monitor:

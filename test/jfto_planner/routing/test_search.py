@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from jfto_msgs_py.errors import InputError
-from jfto_planner.routing import SearchSettings, certify, search
+from jfto_planner.routing import RoutingProblem, SearchSettings, certify, search
 from jfto_planner.routing.assess import assess
 from jfto_world.radio import pairwise_distances
 
@@ -141,3 +143,17 @@ def test_one_uav_flies_alone(make_problem):
     result = search(problem, SearchSettings(moves=40_000, starts=1), seed=1)
     assert result.feasible
     assert len(result.routes[0]) == 24
+
+
+@pytest.mark.parametrize("uavs", [1, 3])
+def test_a_single_waypoint_is_visited_by_who_is_near(uavs):
+    """The kernel has no neighbour to move it to; everybody is tried."""
+    starts = np.array([[60.0 * a, 0.0, 0.0] for a in range(uavs)])
+    problem = RoutingProblem(
+        np.array([[130.0, 0.0, 20.0]]), starts, np.array([900.0]), k_min=min(1, uavs - 1)
+    )
+    found = search(problem, SearchSettings(moves=1000), seed=0)
+    assert found.feasible
+    assert found.routes == (*((),) * (uavs - 1), (0,))
+    late = search(replace(problem, t_max_s=np.array([2.0])), seed=0)
+    assert not late.feasible
