@@ -142,7 +142,7 @@ def run(loaded: LoadedScenario, plan_file: Path | None, choices: dict[str, Any])
     from jfto.console.stages import show_stages
     from jfto.pipeline.directory import make_run_directory, require_no_flight, what_is_kept
     from jfto.pipeline.run import Pipeline
-    from jfto.pipeline.sorties import report_others, sortie_run
+    from jfto.pipeline.sortie_run import report_others, sortie_run
 
     as_json = choices["as_json"]
     vehicles = None if choices["until"] == "plan" else _vehicles(loaded, choices)

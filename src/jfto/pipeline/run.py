@@ -25,6 +25,7 @@ from jfto.pipeline.directory import (
     write_scenario,
 )
 from jfto.pipeline.products import Products, digest
+from jfto.pipeline.sorties import forget_sorties, save_sorties
 from jfto.planning.scenario_file import (
     SCENARIO_NAME,
     LoadedScenario,
@@ -93,8 +94,6 @@ def save_plan(plan: Plan, path: Path) -> Path:
 
 def save_plans(plans: tuple[Plan, ...], path: Path) -> tuple[Path, ...]:
     """Write one plan as `save_plan` does, or the plans of several sorties beside `path`."""
-    from jfto.pipeline.sorties import forget_sorties, save_sorties
-
     if len(plans) > 1:
         return save_sorties(plans, path)
     if plans[0].clean:

@@ -10,7 +10,8 @@ import pytest
 
 from jfto.cli.main import main
 from jfto.pipeline.directory import FLIGHT_NAME, PLAN_NAME
-from jfto.pipeline.sorties import left_over, save_sorties, sortie_directory, with_left_over
+from jfto.pipeline.sortie_run import with_left_over
+from jfto.pipeline.sorties import left_over, save_sorties, sortie_directory
 from jfto.planning.scenario_file import LoadedScenario, load_scenario
 from jfto.planning.sorties import PlannedSorties, plan_sorties
 from jfto.planning.survey import survey
