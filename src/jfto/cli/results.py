@@ -68,7 +68,7 @@ def comparison_table(rows: list[tuple[str, Comparison]]) -> Table:
     """Ours beside the paper's for any number of scenes."""
     table = Table(title="Ours, and in brackets the paper's figures", title_justify="left")
     table.add_column("Scene")
-    table.add_column("Algorithm")
+    table.add_column("Algorithm", no_wrap=True)
     for heading in (*HEADINGS, "Listed", "Heard"):
         table.add_column(heading, justify="right")
     for scene, comparison in rows:
@@ -92,7 +92,7 @@ def print_comparison(rows: list[tuple[str, Comparison]]) -> None:
     """The table and C-TOP's throughput ratios on standard output."""
     console = Console(highlight=False)
     if not console.is_terminal:
-        console.width = 110
+        console.width = 124
     console.soft_wrap = True
     console.print(comparison_table(rows))
     for scene, comparison in rows:
