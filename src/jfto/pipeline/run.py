@@ -298,8 +298,9 @@ class Pipeline:
     def _given(self) -> list[Path]:
         """Files that the scenario names."""
         scenario, given = self._loaded.scenario, terrain_files(self._loaded)
-        if scenario.waypoints.file:
-            given.append(self._loaded.resolve(scenario.waypoints.file))
+        for name in (scenario.waypoints.file, scenario.area.file):
+            if name:
+                given.append(self._loaded.resolve(name))
         return given
 
     @cached_property

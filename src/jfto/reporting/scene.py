@@ -11,7 +11,7 @@ from jfto.analysis.facts import FlightFacts
 from jfto.analysis.grid import FINER
 from jfto.analysis.motion import motions
 from jfto.analysis.record import Track
-from jfto.reporting.figures.map import drawn_extent, sampled_ground
+from jfto.reporting.figures.map import area_rings, drawn_extent, sampled_ground
 from jfto.reporting.palette import uav_colour
 from jfto_msgs_py.files import plain
 from jfto_msgs_py.records.plan import Plan
@@ -23,6 +23,8 @@ _GROUND_POINTS = 90
 # Of a flight's samples so few are drawn, one per second.
 _PATH_STEPS = 20
 _TRACK_STEP_S = 1.0
+# The area's outline follows the ground in such steps, so high above it that it is not hidden.
+_OUTLINE_STEP_M, _OUTLINE_LIFT_M = 10.0, 2.0
 # What the view calls the flight, beside the algorithms.
 FLOWN = "C-TOP as flown"
 
@@ -41,6 +43,7 @@ def scene_data(
     sensitivity_w = float(dbm_to_w(plan.radio.sensitivity_dbm))
     return {
         "terrain": {"x": _short(x), "y": _short(y), "z": _short(z)},
+        "area": [] if dem is None else [_short(_on_ground(r, dem)) for r in area_rings(plan.area)],
         "duration": plan.slots.duration_s,
         "uavs": [
             {
@@ -68,6 +71,16 @@ def scene_data(
         },
         "flown": None if facts is None else _flown(facts, sensitivity_w),
     }
+
+
+def _on_ground(ring: Array, dem: Dem) -> Array:
+    """A closed outline (K, 2) as a line on the ground (M, 3), where the ground is known."""
+    steps = np.linalg.norm(np.diff(ring, axis=0), axis=1)
+    along = np.concatenate([[0.0], np.cumsum(steps)])
+    at = np.union1d(along, np.arange(0.0, along[-1], _OUTLINE_STEP_M))
+    points = np.stack([np.interp(at, along, axis) for axis in ring.T], axis=-1)
+    points = points[dem.contains(*points.T)]
+    return np.column_stack([points, dem.height(*points.T) + _OUTLINE_LIFT_M])
 
 
 def _flown(facts: FlightFacts, sensitivity_w: float) -> dict[str, Any]:

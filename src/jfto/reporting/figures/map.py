@@ -11,6 +11,7 @@ from matplotlib.transforms import ScaledTranslation, Transform
 
 from jfto.reporting.figures.style import PAGE_WIDTH_IN, new_figure
 from jfto_msgs_py.records.plan import Plan
+from jfto_msgs_py.records.site import Polygon
 from jfto_msgs_py.types import Array
 from jfto_world.terrain import Dem
 
@@ -83,7 +84,7 @@ def drawn_extent(dem: Dem, points_m: Array) -> tuple[float, float]:
 def draw_relief(
     axes: Axes, dem: Dem, half_extent_m: tuple[float, float], fade: float = 0.0
 ) -> None:
-    """Hillshade with contour lines as the background of a map; `fade` 0 … 1 pales it."""
+    """Hillshade, contour lines and the area's outline, behind a map; `fade` 0 … 1 pales it."""
     x, y, z = sampled_ground(dem, half_extent_m, _PIXELS)
     tint = _PALE((z - z.min()) / max(float(np.ptp(z)), 1e-9))[..., :3]
     shaded = np.clip(tint * _shade(x, y, z)[..., None], 0, 1)
@@ -95,9 +96,23 @@ def draw_relief(
         zorder=0,
     )
     _draw_contours(axes, x, y, z + dem.origin.alt_m, labelled=fade == 0)
+    for index, ring in enumerate(area_rings(dem.area)):
+        label = "area" if index == 0 else None
+        axes.plot(
+            *ring.T, color="#1c2430", linewidth=1.1, linestyle=(0, (5, 2)), zorder=2, label=label
+        )
     axes.set_aspect("equal")
     axes.set_xlim(x[0], x[-1])
     axes.set_ylim(y[0], y[-1])
+
+
+def area_rings(area: tuple[Polygon, ...]) -> list[Array]:
+    """Closed outlines of an area and of its holes, (K, 2) each, ENU metres."""
+    return [
+        np.array([*ring, ring[0]], dtype=np.float64)
+        for part in area
+        for ring in (part.outer, *part.holes)
+    ]
 
 
 def _shade(x: Array, y: Array, z: Array) -> Array:

@@ -21,6 +21,11 @@
     contours: { z: { show: true, color: "#8a7f6a", width: 1, usecolormap: false } },
     hovertemplate: "ground %{z:.0f} m<extra></extra>", name: "ground",
   }];
+  SCENE.area.forEach((ring) => traces.push({
+    type: "scatter3d", mode: "lines", name: "area", showlegend: false, hoverinfo: "skip",
+    x: ring.map((p) => p[0]), y: ring.map((p) => p[1]), z: ring.map((p) => p[2]),
+    line: { color: "#1c2430", width: 4, dash: "dash" },
+  }));
   SCENE.uavs.forEach((uav) => traces.push({
     type: "scatter3d", mode: "lines", name: uav.id + " flight",
     x: uav.path.map((p) => p[0]), y: uav.path.map((p) => p[1]), z: uav.path.map((p) => p[2]),

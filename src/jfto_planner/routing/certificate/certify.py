@@ -140,8 +140,8 @@ def _check_totals(plan: Plan, flown: Flown) -> list[Violation]:
         found.append(Violation("total_length", "", None, None, length, plan.length_max_m, message))
     for uav, arrivals in zip(plan.uavs, flown.arrivals_s, strict=True):
         end = float(arrivals[-1])
-        # The horizon is rounded in a plan file; T_a,max is not.
-        limit = min(uav.t_max_s, plan.slots.horizon_s + 1e-6)
+        # The horizon is rounded in a plan file, and so is each waypoint; T_a,max is not.
+        limit = min(uav.t_max_s, plan.slots.horizon_s + 1e-6 * len(arrivals))
         if end > limit:
             message = f"{uav.id} reaches its last waypoint at {end:.2f} s, {limit:.2f} s are given"
             found.append(
