@@ -135,8 +135,6 @@ def _print(page: Preflight) -> None:
     from rich.console import Console as Rich
 
     from jfto.console.console import Console
-    from jfto.console.preflight import MARKS, VERDICTS, preflight_table
+    from jfto.console.preflight import show_page
 
-    console = Console(rich=Rich(highlight=False))
-    console.table(preflight_table(page))
-    console.line(VERDICTS[page.level], MARKS[page.level])
+    show_page(Console(rich=Rich(highlight=False)), page)

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from jfto.console.console import BAD, NOTE, WARNING, Console
-from jfto.console.preflight import MARKS, VERDICTS, preflight_table
+from jfto.console.preflight import show_page
 from jfto.flight.screen.screen import FlightScreen
 from jfto.flight.screen.state import FlightState
 from jfto_mavlink.preflight.page import Preflight
@@ -45,8 +45,7 @@ class ConsoleOperator:
 
     def page(self, page: Preflight) -> None:
         """What the checks before arming came to."""
-        self._console.table(preflight_table(page))
-        self._console.line(VERDICTS[page.level], MARKS[page.level])
+        show_page(self._console, page)
 
     def show(self, state: FlightState) -> None:
         """How everything stands."""

@@ -32,6 +32,8 @@ from jfto.planning.scenario_file import (
     load_scenario,
 )
 from jfto.planning.terrain import known_ground, terrain_files
+from jfto.supervision.graph_table import PREFLIGHT_NAME
+from jfto_mavlink.preflight.page import read_page
 from jfto_msgs_py.errors import InputError, JftoError, PlanError
 from jfto_msgs_py.files import read_text, write_file, write_json
 from jfto_msgs_py.plan_file import read_plan, write_plan
@@ -266,7 +268,10 @@ class Pipeline:
 
     def _page(self, run: Run, inputs: str) -> Path:
         path = self._directory / REPORT_NAME
-        if run.flight is None and self._products.kept("report", inputs):
+        page = self._directory / PREFLIGHT_NAME
+        preflight = read_page(page) if page.exists() else None
+        looked = run.flight is not None or preflight is not None
+        if not looked and self._products.kept("report", inputs):
             self._progress.end("report", f"{path.stat().st_size / 1e6:.1f} MB", _KEPT)
             return path
         from jfto.reporting.page import ReportContent, report_page
@@ -285,9 +290,10 @@ class Pipeline:
             coverage=self._coverage(),
             configuration=self._configuration,
             flight=run.flight,
+            preflight=preflight,
         )
         write_file(path, report_page(content))
-        if run.flight is None:
+        if not looked:
             self._products.made("report", inputs, [path])
         self._progress.end(
             "report", f"{path.stat().st_size / 1e6:.1f} MB", "one file, works offline"

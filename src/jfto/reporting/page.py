@@ -23,6 +23,7 @@ from jfto.analysis.motion import flight_spread, spread_text
 from jfto.analysis.paper import HEADINGS, PAPER, active_text, beside_paper, number, ratios_text
 from jfto.reporting.palette import uav_colour
 from jfto.reporting.scene import FLOWN, scene_data
+from jfto_mavlink.preflight.page import Preflight
 from jfto_msgs_py.environment import version_of
 from jfto_msgs_py.records.event import WARN, grade
 from jfto_msgs_py.records.passage import VISITED_M
@@ -58,7 +59,7 @@ class ReportContent:
     `coverage` is the coverage certificate's figures as in coverage.json, or None where waypoints
     were drawn at random, `configuration` the resolved scenario file. `dem` is None where the
     terrain is unknown. Arrivals are also said for a wind of `wind_mps`; `flight` is None until the
-    plan was flown.
+    plan was flown, `preflight` where no vehicle was looked at.
     """
 
     plan: Plan
@@ -70,6 +71,7 @@ class ReportContent:
     coverage: Mapping[str, Any] | None
     configuration: str
     flight: FlightFacts | None = None
+    preflight: Preflight | None = None
 
     @property
     def title(self) -> str:

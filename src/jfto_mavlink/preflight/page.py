@@ -27,6 +27,14 @@ TOPICS = {
     "failsafe": "what it does by itself",
     "parameters": "what is changed for the flight",
 }
+# Colour never says it alone.
+SIGNS = {GREEN: "✓ fine", AMBER: "! look", RED: "✗ stop"}
+WAITS = "… wait"
+VERDICTS = {
+    GREEN: "Preflight: all fine.",
+    AMBER: "Preflight: nothing speaks against a start; look at what is marked !.",
+    RED: "Preflight: not to be flown like this; see what is marked ✗.",
+}
 # What time on the pad may cure keeps nobody from uploading.
 LATER = frozenset(("position", "autopilot", "clock", "mission"))
 _FILE = FileKind(
@@ -49,6 +57,11 @@ class Finding:
 
     def __str__(self) -> str:
         return f"{self.text}. {self.cure}".strip() if self.cure else self.text
+
+    @property
+    def sign(self) -> str:
+        """A mark and a word for the level."""
+        return WAITS if self.waits else SIGNS[self.level]
 
 
 @dataclass(frozen=True)
@@ -91,6 +104,23 @@ class Preflight:
     def level(self) -> str:
         """The worst of all."""
         return worst([each for vehicle in self.vehicles for each in vehicle.findings])
+
+    @property
+    def verdict(self) -> str:
+        """What it comes to, in a sentence."""
+        return VERDICTS[self.level]
+
+    def rows(self) -> list[tuple[Finding, tuple[str, ...]]]:
+        """Each finding with the vehicles that have it ("all"), the worst first, else as TOPICS."""
+        who: dict[Finding, list[str]] = {}
+        for vehicle in self.vehicles:
+            for finding in vehicle.findings:
+                who.setdefault(finding, []).append(vehicle.uav)
+        everybody = [vehicle.uav for vehicle in self.vehicles]
+        order = list(TOPICS)
+        found = sorted(who, key=lambda f: (-LEVELS.index(f.level), order.index(f.topic)))
+        shared = len(everybody) > 1
+        return [(f, ("all",) if shared and who[f] == everybody else tuple(who[f])) for f in found]
 
     def counts(self) -> dict[str, int]:
         """How many findings there are of each level, and how many of them are waited for."""

@@ -12,6 +12,15 @@ import pytest
 from jfto.console.progress import Progress
 from jfto.pipeline.directory import flight_bags
 from jfto.pipeline.run import Run, rebuild
+from jfto_mavlink.preflight.page import (
+    AMBER,
+    GREEN,
+    RED,
+    Finding,
+    Preflight,
+    VehiclePage,
+    write_page,
+)
 from jfto_msgs_py.records.event import WARN, Event
 from support.fleets import START_NS
 from support.flights import Flaws, FlightBag, tracks_of
@@ -90,6 +99,30 @@ def test_a_rebuilt_report_has_the_same_facts(flown_run: tuple[Path, Run]) -> Non
     (directory / "flight.json").unlink()
     assert rebuild(directory).flight is not None
     assert (directory / "flight.json").read_bytes() == before
+
+
+def test_the_page_has_the_checks_before_the_flight(
+    tiny_run: tuple[Path, Run], tmp_path: Path
+) -> None:
+    """From preflight.json: the console's table, with words beside each colour; none without it."""
+    assert "<h2>Preflight</h2>" not in (tiny_run[0] / "report.html").read_text(encoding="utf-8")
+    for name in ("scenario.yaml", "plan.json"):
+        shutil.copy(tiny_run[0] / name, tmp_path)
+    low = Finding("battery", RED, "30 % <left>", "Charge it.")
+    early = Finding("position", AMBER, "GPS fix is 1: not ready yet", "", waits=True)
+    fine = Finding("fence", GREEN, "inside its fence")
+    pages = (VehiclePage("uav1", (fine, low)), VehiclePage("uav2", (fine, early)))
+    write_page(Preflight(pages), tmp_path / "preflight.json")
+    rebuild(tmp_path)
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    section = page.partition("<h2>Preflight</h2>")[2].partition("<h2>")[0]
+    checker = HtmlChecker()
+    checker.feed(page)
+    assert (checker.amiss, checker.open) == ([], [])
+    signs = re.findall(r'<td class="text (\w+)">([^<]+)</td>', section)
+    assert signs == [("red", "✗ stop"), ("amber", "… wait"), ("green", "✓ fine")]
+    assert "30 % &lt;left&gt;" in section
+    assert "not to be flown like this" in section
 
 
 def test_a_desk_run_has_no_flight(tiny_run: tuple[Path, Run]) -> None:

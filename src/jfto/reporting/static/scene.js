@@ -93,7 +93,7 @@
     const x = [], y = [], z = [], which = [];
     ends.forEach((band, i) => { x.push(band.x); y.push(band.y); z.push(band.z); which.push(firstLink + i); });
     at.forEach((p, a) => { x.push([p[0]]); y.push([p[1]]); z.push([p[2]]); which.push(firstUav + a); });
-    Plotly.restyle(scene, { x, y, z }, which);
+    if (inSpace) { Plotly.restyle(scene, { x, y, z }, which); }
     const here = shown.links;
     let text = "Slot " + shown.n + " of " + shown.last + " · " + shown.time.toFixed(0) +
       " s after lift-off · " + here.length + " links";
@@ -105,17 +105,40 @@
     facts.textContent = text;
   }
 
+  // Without WebGL nothing would be drawn, and nothing said.
+  function hasWebgl() {
+    try {
+      const canvas = document.createElement("canvas");
+      return Boolean(canvas.getContext("webgl") || canvas.getContext("experimental-webgl"));
+    } catch (error) {
+      return false;
+    }
+  }
+  function showPicture() {
+    const picture = document.querySelector("#figure-routes img");
+    document.getElementById("flat").hidden = false;
+    document.getElementById("handling").hidden = true;
+    scene.className = "picture";
+    scene.replaceChildren(...(picture ? [picture.cloneNode(true)] : []));
+    show();
+  }
+  const inSpace = hasWebgl();
+
   const axis = { backgroundcolor: "#ffffff", gridcolor: "#e3e6ea", zerolinecolor: "#e3e6ea" };
-  Plotly.newPlot(scene, traces, {
-    margin: { l: 0, r: 0, t: 0, b: 0 }, paper_bgcolor: "#ffffff",
-    legend: { x: 0.01, y: 0.99, bgcolor: "rgba(255,255,255,0.8)" },
-    scene: {
-      aspectmode: "data", camera: { eye: { x: -0.95, y: -1.3, z: 0.95 }, center: { x: 0, y: 0, z: -0.12 } },
-      xaxis: Object.assign({ title: { text: "East (m)" } }, axis),
-      yaxis: Object.assign({ title: { text: "North (m)" } }, axis),
-      zaxis: Object.assign({ title: { text: "Up (m)" } }, axis),
-    },
-  }, { responsive: true, displaylogo: false }).then(show);
+  if (inSpace) {
+    Plotly.newPlot(scene, traces, {
+      margin: { l: 0, r: 0, t: 0, b: 0 }, paper_bgcolor: "#ffffff",
+      legend: { x: 0.01, y: 0.99, bgcolor: "rgba(255,255,255,0.8)" },
+      scene: {
+        aspectmode: "data", camera: { eye: { x: -0.95, y: -1.3, z: 0.95 }, center: { x: 0, y: 0, z: -0.12 } },
+        xaxis: Object.assign({ title: { text: "East (m)" } }, axis),
+        yaxis: Object.assign({ title: { text: "North (m)" } }, axis),
+        zaxis: Object.assign({ title: { text: "Up (m)" } }, axis),
+      },
+    }, { responsive: true, displaylogo: false }).then(show);
+  } else {
+    showPicture();
+  }
 
   slider.addEventListener("input", show);
   picker.addEventListener("change", show);
