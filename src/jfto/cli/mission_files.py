@@ -55,10 +55,19 @@ def export_files(
 
 def _export_missions(plan_path: Path, out: Path, suffix: str, choices: Mapping[str, Any]) -> int:
     from jfto_mavlink.files import write_mission
+    from jfto_mavlink.mission.build import KEEPS_HEADING
 
     missions = build(plan_path, choices)
     out.mkdir(parents=True, exist_ok=True)
     for uav, mission in missions.items():
         for path in write_mission(out / f"{uav}{suffix}", mission.mission):
             click.echo(f"{path}   {len(mission.mission.items)} items   {mission.digest[:12]}")
+    needed = [uav for uav, one in missions.items() if KEEPS_HEADING in one.mission.parameters]
+    if needed:
+        name, value = KEEPS_HEADING
+        click.echo(
+            f"  {', '.join(needed)}: fly with {name} {value:g}, or the nose turns along the route. "
+            "JFTO sets it for the flight; after an upload by another program, set it there.",
+            err=True,
+        )
     return 0

@@ -209,6 +209,9 @@ def _as_flown(
     return rounded(replace(plan, area=found.dem.area))
 
 
+_STEADY = {"distance": "", "time": ", flown at constant speed from the first on"}
+
+
 def trigger_note(plan: Plan) -> str:
     """How many photographs are not on lines where lines were asked for; empty if none."""
     if plan.trigger == "each":
@@ -219,8 +222,8 @@ def trigger_note(plan: Plan) -> str:
         return ""
     return (
         f"coverage.trigger {plan.trigger}: {on_lines} of {photos} photographs lie on straight "
-        f"lines of equal spacing, heading and pitch; the other {photos - on_lines} are triggered "
-        "one by one"
+        f"lines of equal spacing, heading and pitch{_STEADY[plan.trigger]}; the other "
+        f"{photos - on_lines} are triggered one by one"
     )
 
 

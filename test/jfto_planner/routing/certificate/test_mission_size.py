@@ -4,14 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from jfto.planning.routes import plan_routes
-from jfto.planning.scenario_file import load_scenario
-from jfto.planning.survey import survey
 from jfto_mavlink.errors import MissionError
 from jfto_mavlink.mission.build import build_missions
 from jfto_mavlink.mission.settings import MissionSettings
@@ -29,8 +25,6 @@ from jfto_planner.routing.certificate.mission_size import (
 )
 from jfto_world.mission.encoding import MOUNTS, SHUTTERS
 from jfto_world.mission.steps import mission_items
-
-TINY = Path(__file__).parents[3] / "data/scenario/tiny.yaml"
 
 
 def plan_of(*photos: int, varied: bool = True) -> Plan:
@@ -131,18 +125,6 @@ def test_routes_may_have_what_surely_fits_else_a_little_over_an_even_share():
     """The search is kept from routes that no autopilot holds."""
     assert photo_capacity(plan_of(300).waypoints, 2, 650) == 210
     assert photo_capacity(plan_of(500, varied=False).waypoints, 2, 650) == 275
-
-
-def test_380_waypoints_for_two_uavs_are_planned_within_the_items():
-    """The certificate finds no mission too long, and both are built."""
-    wanted = ["waypoints.count=380", "fleet.count=2", "fleet.p_max_dbm=29", "fleet.energy_j=9000"]
-    wanted += ["network.k_min=1", "fleet.t_max_s=9000", "mission.length_max_m=100000"]
-    loaded = load_scenario(TINY, [*wanted, "search.moves=20000"])
-    plan = plan_routes(loaded.scenario, survey(loaded)).plan
-    assert not [each for each in plan.certificate.violations if each.kind == "items"]
-    assert sum(len(route.waypoint_ids) for route in plan.routes) == 380
-    for index in range(2):
-        assert mission_items(plan, index) <= 650
 
 
 def test_a_line_that_is_none_is_a_violation():
