@@ -29,13 +29,17 @@ TCP_BASE, UDP_BASE, PORT_STEP = 5760, 14560, 10
 
 @dataclass(frozen=True)
 class ServerSettings:
-    """`endpoints[k]` are the ports of vehicle k, SERIAL0 first; `control_port` 0 takes any."""
+    """`endpoints[k]` are the ports of vehicle k, SERIAL0 first; `control_port` 0 takes any.
+
+    The vehicles have been on for `uptime_s` when they are first heard.
+    """
 
     endpoints: tuple[tuple[str, ...], ...]
     speedup: float = 1.0
     seed: int = 0
     faults: tuple[str, ...] = ()
     control_port: int | None = None
+    uptime_s: float = 0.0
 
 
 def default_endpoints(count: int, host: str = "127.0.0.1") -> tuple[tuple[str, ...], ...]:
@@ -82,6 +86,7 @@ class SimServer:
             for number, config in enumerate(configs, 1):
                 vehicle = Vehicle(config)
                 vehicle.params.store("SIM_SPEEDUP", settings.speedup)
+                vehicle.advance(settings.uptime_s)
                 texts = settings.endpoints[number - 1]
                 seed = settings.seed + number
                 self.stations[number] = Station(vehicle, texts, seed, opening)

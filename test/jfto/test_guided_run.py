@@ -14,11 +14,17 @@ from typing import Any
 
 import pytest
 
+from jfto.planning.routes import plan_routes
+from jfto.planning.scenario_file import load_scenario
+from jfto.planning.survey import survey
+from jfto_msgs_py.plan_file import write_plan
+
 ROOT = Path(__file__).parents[2]
 SCENE = ROOT / "test" / "data" / "scenario" / "short_flight.yaml"
 # Half a minute on an idle computer; one that runs many tests at once takes several.
 LIMIT_S = 600.0
 SPEEDUP = "8"
+GUIDED = "trajectory.mode=guided"
 # Targets, and what is told of positions, are late by so many times what a busy computer takes.
 LATENESS_S = 8 * 0.75
 # How late a bridge may make a fleet that is killed and started again, s of the vehicles' time.
@@ -31,10 +37,19 @@ def along_s(directory: Path) -> float:
     return float(json.loads(path.read_text())["elapsed_s"]) if path.exists() else 0.0
 
 
-def fly(directory: Path, killed: str = "") -> dict[str, Any]:
+@pytest.fixture(scope="module")
+def planned(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The plan that all fly."""
+    loaded = load_scenario(SCENE, [GUIDED])
+    path = tmp_path_factory.mktemp("guided") / "plan.json"
+    write_plan(plan_routes(loaded.scenario, survey(loaded)).plan, path)
+    return path
+
+
+def fly(planned: Path, directory: Path, killed: str = "") -> dict[str, Any]:
     """Facts printed by a guided run in which a node is killed in mid-flight."""
-    command = [sys.executable, "-m", "jfto", "run", str(SCENE), "--set", "trajectory.mode=guided"]
-    command += ["--speedup", SPEEDUP, "-o", str(directory), "--json"]
+    command = [sys.executable, "-m", "jfto", "run", str(SCENE), "--set", GUIDED]
+    command += ["--plan", str(planned), "--speedup", SPEEDUP, "-o", str(directory), "--json"]
     flight = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     end_s, tick = time.monotonic() + LIMIT_S, threading.Event()
     try:
@@ -57,10 +72,10 @@ def flown_facts(directory: Path) -> dict[str, Any]:
     return json.loads((directory / "flight.json").read_text())
 
 
-@pytest.mark.slow
-def test_a_guided_run_is_flown_to_its_end(tmp_path: Path) -> None:
+@pytest.mark.slow(30)
+def test_a_guided_run_is_flown_to_its_end(planned: Path, tmp_path: Path) -> None:
     """Curves are streamed, never missions; all waypoints in time, all home and disarmed."""
-    facts = fly(tmp_path / "run")
+    facts = fly(planned, tmp_path / "run")
     assert facts["flight"]["ended"] == "landed"
     assert facts["flight"]["processes_died"] == []
     flight = flown_facts(tmp_path / "run")
@@ -72,10 +87,10 @@ def test_a_guided_run_is_flown_to_its_end(tmp_path: Path) -> None:
     assert "start: streaming: uav1, uav2, uav3" in texts
 
 
-@pytest.mark.slow
-def test_a_planner_that_dies_changes_nothing(tmp_path: Path) -> None:
+@pytest.mark.slow(30)
+def test_a_planner_that_dies_changes_nothing(planned: Path, tmp_path: Path) -> None:
     """The bridge has the curves: the flight goes on, on time, and home."""
-    facts = fly(tmp_path / "run", "planner_node")
+    facts = fly(planned, tmp_path / "run", "planner_node")
     assert facts["flight"]["ended"] == "landed"
     assert [one["name"] for one in facts["flight"]["processes_died"]] == ["planner_node"]
     flight = flown_facts(tmp_path / "run")
@@ -83,10 +98,10 @@ def test_a_planner_that_dies_changes_nothing(tmp_path: Path) -> None:
     assert abs(flight["waypoints"]["worst_late_s"]) < LATENESS_S
 
 
-@pytest.mark.slow
-def test_a_bridge_that_dies_goes_on_with_the_flight(tmp_path: Path) -> None:
+@pytest.mark.slow(30)
+def test_a_bridge_that_dies_goes_on_with_the_flight(planned: Path, tmp_path: Path) -> None:
     """All stand, and go on from there together, later by what that took; it is told."""
-    facts = fly(tmp_path / "run", "mavlink_bridge")
+    facts = fly(planned, tmp_path / "run", "mavlink_bridge")
     assert facts["flight"]["ended"] == "landed"
     flight = flown_facts(tmp_path / "run")
     assert flight["waypoints"]["worst_closest_m"] < 4.0

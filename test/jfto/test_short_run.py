@@ -27,7 +27,7 @@ from jfto_msgs_py.ros import topics
 from support.domains import next_domain
 
 ROOT = Path(__file__).parents[2]
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.slow(10)
 SCENE = ROOT / "test" / "data" / "scenario" / "short_flight.yaml"
 # A minute on an idle computer; one that runs many tests at once takes several.
 LIMIT_S = 900.0

@@ -101,7 +101,7 @@ def graph():
         yield found
 
 
-@pytest.mark.slow
+@pytest.mark.slow(6)
 def test_a_fleet_is_uploaded_started_held_and_called_home(graph, plan_file):
     """Poses about the plan's origin in the order of their stamps, and each service's answer."""
     station = simulated(graph, plan_file, 10.0)
@@ -141,7 +141,7 @@ def test_a_fleet_is_uploaded_started_held_and_called_home(graph, plan_file):
     assert stamps == sorted(stamps)
 
 
-@pytest.mark.slow
+@pytest.mark.slow(6)
 def test_an_abort_calls_a_start_off(graph, plan_file):
     """While the fleet lines up: nobody flies, start says why."""
     station = simulated(graph, plan_file, 12.0)
@@ -161,7 +161,7 @@ def test_an_abort_calls_a_start_off(graph, plan_file):
     graph.until(lambda: station.fact("uav1", "armed") == "false")
 
 
-@pytest.mark.slow
+@pytest.mark.slow(6)
 def test_an_order_from_a_shell_reaches_the_vehicles_without_ros(graph, plan_file):
     """`jfto mission order`: all obey, and everybody is told what was ordered and came of it."""
     states = graph.collect(DiagnosticStatus, topics.MISSION_STATE, qos.latched())
@@ -226,7 +226,7 @@ def test_real_vehicles_are_not_armed_unasked(graph, plan_file):
     assert "[MAV-606]" in text
 
 
-@pytest.mark.slow
+@pytest.mark.slow(6)
 def test_a_check_names_what_speaks_against_arming(graph, plan_file):
     """Nothing was uploaded: the check says so, and arms nobody."""
     station = simulated(graph, plan_file, 12.0)
@@ -237,7 +237,7 @@ def test_a_check_names_what_speaks_against_arming(graph, plan_file):
     assert station.fact("uav1", "armed") == "false"
 
 
-@pytest.mark.slow
+@pytest.mark.slow(6)
 def test_a_plan_that_comes_later_is_waited_for(graph, plan_file):
     """The planner may still be at work; orders say so."""
     late = plan_file.with_name("late.json")
@@ -267,7 +267,7 @@ def test_what_cannot_be_flown_is_refused_at_once(graph, plan_file, parameters, w
         Station(graph, plan_file, **parameters)
 
 
-@pytest.mark.slow
+@pytest.mark.slow(6)
 @pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
 def test_the_process_ends_when_it_is_told_to(plan_file, sent):
     """With status 0 and without a traceback, its links closed."""

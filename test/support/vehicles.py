@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pytest
 
+from jfto.simulation.fleet import UPTIME_S
 from jfto_sim import Vehicle, VehicleConfig
 from jfto_sim.config import fleet
 from jfto_sim.server import ServerSettings, SimServer
@@ -108,7 +109,8 @@ class Starter:
     def _simulated(self, configs: list[VehicleConfig], speedup: float, remote: str) -> Vehicles:
         link = f"udpto:{remote}" if remote else "tcp:127.0.0.1:0"
         endpoints = ((link, "tcp:127.0.0.1:0"),) * len(configs)
-        server = SimServer(configs, ServerSettings(endpoints, speedup=speedup))
+        settings = ServerSettings(endpoints, speedup, uptime_s=UPTIME_S)
+        server = SimServer(configs, settings)
         self.closing.enter_context(server)
         numbers = range(1, len(configs) + 1)
         links = [f"tcp:127.0.0.1:{server.addresses(n)[0][1]}" for n in numbers]

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import click
 
-from jfto.simulation.fleet import vehicle_configs
+from jfto.simulation.fleet import UPTIME_S, vehicle_configs
 from jfto_mavlink.errors import RosterError, SigningError
 from jfto_mavlink.fleet.link import FleetLink
 from jfto_mavlink.fleet.roster import Roster, RosterEntry, parse_vehicles
@@ -81,9 +81,10 @@ def open_fleet(
 def _simulated(plan: Plan, how: Simulated) -> Iterator[FleetLink]:
     start_s, speedup = time.time(), how.speedup
     address = parse_address(f"udpin:127.0.0.1:{free_udp_port()}")
-    configs = vehicle_configs(plan, round(start_s * 1e9))
+    configs = vehicle_configs(plan, round((start_s - UPTIME_S) * 1e9))
     endpoint = (f"udpto:{address.host}:{address.number}",)
-    settings = ServerSettings((endpoint,) * len(configs), speedup, faults=how.faults)
+    endpoints = (endpoint,) * len(configs)
+    settings = ServerSettings(endpoints, speedup, faults=how.faults, uptime_s=UPTIME_S)
     roster = Roster(tuple(RosterEntry(uav.id, n, address) for n, uav in enumerate(plan.uavs, 1)))
     clock = ScaledClock(speedup)
     with (

@@ -22,7 +22,7 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 from std_msgs.msg import Float64MultiArray, Header, UInt8MultiArray
 
 from jfto.node_options import SimulatedFleetOptions
-from jfto.simulation.fleet import FleetTime, fleet_air, vehicle_configs
+from jfto.simulation.fleet import UPTIME_S, FleetTime, fleet_air, vehicle_configs
 from jfto.simulation.pace import FleetPace, PacedFlight, PaceSettings
 from jfto_msgs_py.errors import InputError, PlanError
 from jfto_msgs_py.plan_file import plan_tag, read_plan
@@ -162,7 +162,7 @@ class SimulatedFleetNode(GraphNode[SimulatedFleetOptions]):
         dem = None if self._dem_of is None else self._dem_of(scenario)
         # Before the time of power-up is read: an empty compiler cache takes a minute to fill.
         warm_up()
-        boot_ns = self._fleet_time.now_ns()
+        boot_ns = self._fleet_time.now_ns() - round(UPTIME_S * 1e9)
         configs = vehicle_configs(plan, boot_ns, errors, dem)
         settings = ServerSettings(
             ((options.endpoint,),) * len(configs),
@@ -170,6 +170,7 @@ class SimulatedFleetNode(GraphNode[SimulatedFleetOptions]):
             errors.seed,
             options.faults,
             options.control_port or None,
+            UPTIME_S,
         )
         names = {config.sysid: uav.id for config, uav in zip(configs, plan.uavs, strict=True)}
         pace = partial(self._grant, names) if options.patience_s else None

@@ -18,6 +18,9 @@ from jfto_world.terrain.frame import LocalFrame
 # What a field team sets: home at a low battery, down at once at an empty one. ArduCopter's own
 # defaults do nothing.
 FAILSAFES = {"BATT_FS_LOW_ACT": 2.0, "BATT_FS_CRT_ACT": 1.0, "BATT_CRT_VOLT": 10.0}
+# They have been on for so long when a station first hears them: their position estimates, ready
+# after 41 s, are not waited for.
+UPTIME_S = 45.0
 # Ground height above a pad at metres east and north of it.
 PadGround = Callable[[float, float], float]
 Place = tuple[float, float, float]

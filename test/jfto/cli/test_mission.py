@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from jfto.cli import main
+from jfto.simulation.fleet import UPTIME_S
 from jfto_mavlink.files import read_mission
 from jfto_sim import VehicleConfig
 from jfto_sim.server import ServerSettings, SimServer
@@ -22,12 +23,13 @@ def plan(tiny_run) -> Path:
 
 @pytest.fixture
 def vehicles(request):
-    """Four simulated vehicles that speak to one port, and the roster of them; at a speed-up."""
+    """Four simulated vehicles that speak to one port, and the roster of them; on for a while."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
     configs = [VehicleConfig(sysid=n) for n in range(1, 5)]
-    settings = ServerSettings(((f"udpto:127.0.0.1:{port}",),) * 4, getattr(request, "param", 1.0))
+    how = getattr(request, "param", {"uptime_s": UPTIME_S})
+    settings = ServerSettings(((f"udpto:127.0.0.1:{port}",),) * 4, **how)
     roster = ",".join(f"uav{n}={n}@udpin:127.0.0.1:{port}" for n in range(1, 5))
     with SimServer(configs, settings) as server:
         yield server, roster
@@ -69,7 +71,7 @@ def test_a_mission_that_is_out_of_bounds_is_not_imported(tmp_path, capsys):
     assert "item 2: height -500.0 m" in capsys.readouterr().err
 
 
-@pytest.mark.slow
+@pytest.mark.slow(6)
 def test_upload_verify_and_clear_go_together(plan, vehicles, tmp_path, capsys):
     """Uploaded it verifies; another way home is refused or differs; cleared it verifies no more."""
     server, roster = vehicles
@@ -93,7 +95,7 @@ def test_upload_verify_and_clear_go_together(plan, vehicles, tmp_path, capsys):
     assert "differences" in capsys.readouterr().out
 
 
-@pytest.mark.slow
+@pytest.mark.slow(6)
 def test_a_link_names_the_whole_fleet_as_it_does_for_run(plan, vehicles, capsys):
     """System ids 1, 2 … in the order of the plan, all on that link."""
     _, roster = vehicles
@@ -118,6 +120,7 @@ def test_parameters_of_an_upload_are_put_back_by_their_record(plan, vehicles, tm
     assert not record.exists()
 
 
+@pytest.mark.parametrize("vehicles", [{"uptime_s": 1.0}], indirect=True)
 def test_what_is_not_ready_yet_is_amber_for_a_run_waits_for_it(plan, vehicles, capsys, monkeypatch):
     """Just switched on: no fix, no estimate; status 0, said in words and counted in JSON."""
     monkeypatch.setattr("jfto.cli.preflight._WAIT_S", 1.0)
@@ -154,7 +157,6 @@ def test_who_is_waited_for_is_said(plan, capsys, monkeypatch):
     assert {f["topic"] for one in page["vehicles"] for f in one["findings"]} == {"identity"}
 
 
-@pytest.mark.parametrize("vehicles", [10.0], indirect=True)
 def test_a_plan_is_held_against_vehicles_that_are_elsewhere(plan, vehicles, capsys):
     """FIELD 5, 15, 18: the forms of `run`; status 1, JSON, each reason in full, nothing is sent."""
     server, roster = vehicles
@@ -203,7 +205,7 @@ def test_a_wrong_roster_is_explained(plan, capsys, vehicles_text, words):
     assert words in capsys.readouterr().err
 
 
-@pytest.mark.slow
+@pytest.mark.slow(6)
 def test_orders_reach_the_vehicles_named_and_no_others(vehicles, capsys):
     """Seen to work, or said why not; a stranger in the list stops everything."""
     server, roster = vehicles

@@ -53,7 +53,7 @@ def _end(process: subprocess.Popen, *numbers: int) -> tuple[int, str]:
     return process.returncode, output
 
 
-@pytest.mark.slow
+@pytest.mark.slow(6)
 def test_the_graph_heals_after_kill_and_ends_with_ctrl_c(tiny, tmp_path) -> None:
     """Planned, flown by a pose player; power node killed: the account and the schedule go on.
 
@@ -87,18 +87,19 @@ def test_the_graph_heals_after_kill_and_ends_with_ctrl_c(tiny, tmp_path) -> None
     ]  # fmt: skip
 
 
-def _order(graph: Graph, verb: str) -> str:
+def _order(graph: Graph, process: subprocess.Popen, verb: str) -> str:
     """Give an order to the bridge until it says that it was carried out."""
     client = graph.observer.create_client(Trigger, f"/jfto/mission/{verb}")
-    graph.until(client.service_is_ready, LIMIT_S)
-    while True:
+    graph.until(lambda: client.service_is_ready() or process.poll() is not None, LIMIT_S)
+    while process.poll() is None:
         future = client.call_async(Trigger.Request())
         graph.until(future.done, LIMIT_S)
         if future.result().success:
             return future.result().message
+    return pytest.fail(process.communicate()[0])
 
 
-@pytest.mark.slow
+@pytest.mark.slow(6)
 def test_simulated_vehicles_fly_in_the_graph_and_are_recorded(tiny, tmp_path) -> None:
     """Orders by service; poses in the vehicles' own time, ten times the wall's; a whole bag."""
     with Graph() as graph:
@@ -110,8 +111,8 @@ def test_simulated_vehicles_fly_in_the_graph_and_are_recorded(tiny, tmp_path) ->
         try:
             clock = graph.collect(Clock, topics.CLOCK, qos.clock())
             poses = graph.collect(PoseStamped, topics.pose("uav3"), qos.sensor())
-            assert "4 missions on board" in _order(graph, "upload")
-            assert _order(graph, "start") == "flying: uav1, uav2, uav3, uav4"
+            assert "4 missions on board" in _order(graph, process, "upload")
+            assert _order(graph, process, "start") == "flying: uav1, uav2, uav3, uav4"
             first = decode_pose(poses[-1])
             graph.until(
                 lambda: decode_pose(poses[-1]).position_m[2] > first.position_m[2] + 20, LIMIT_S
@@ -138,7 +139,7 @@ def test_simulated_vehicles_fly_in_the_graph_and_are_recorded(tiny, tmp_path) ->
     assert (tmp_path / "tlogs" / "uav4.tlog").stat().st_size > 1000
 
 
-@pytest.mark.slow
+@pytest.mark.slow(6)
 def test_nodes_end_with_a_killed_supervisor(tiny, tmp_path) -> None:
     """Killed with -9 it leaves no node behind."""
     process = _up(next_domain(), tiny, tmp_path)
@@ -163,7 +164,7 @@ def _is_running(pid: int) -> bool:
     return stat.rpartition(")")[2].split()[0] != "Z"
 
 
-@pytest.mark.slow
+@pytest.mark.slow(6)
 def test_a_node_with_bad_parameters_ends_the_graph(tiny, tmp_path) -> None:
     """The status tells which node was given up, and its last words are shown."""
     (tmp_path / "energy.json").write_text("{}")

@@ -116,7 +116,7 @@ def field(plan, tmp_path):
         yield Field(plan, link, tmp_path / "flight_state.json")
 
 
-@pytest.mark.slow
+@pytest.mark.slow(15)
 def test_a_fleet_is_streamed_to_held_let_go_on_and_called_home(field):
     """The curves that came once are flown though nothing comes any more; each order is obeyed."""
     with pytest.raises(FlightError, match="no trajectory has come"):
@@ -144,7 +144,7 @@ def test_a_fleet_is_streamed_to_held_let_go_on_and_called_home(field):
     field.orders.close()
 
 
-@pytest.mark.slow
+@pytest.mark.slow(15)
 def test_a_flight_ends_as_missions_do(field):
     """At the end of the curves all fly home by the missions on board, and land."""
     field.fly()
@@ -154,7 +154,7 @@ def test_a_flight_ends_as_missions_do(field):
     assert not field.told
 
 
-@pytest.mark.slow
+@pytest.mark.slow(15)
 def test_newer_trajectories_replace_those_held(field):
     """All at once, and only where each is near: a fleet that mixed plannings is not certified."""
     field.fly()
@@ -177,7 +177,7 @@ def test_newer_trajectories_replace_those_held(field):
     field.orders.abort()
 
 
-@pytest.mark.slow
+@pytest.mark.slow(15)
 def test_a_bridge_that_died_is_followed_by_one_that_goes_on(field):
     """It knows the curves and how far they were flown from disk, and all go on together."""
     field.fly()
@@ -205,7 +205,7 @@ def test_a_bridge_that_died_is_followed_by_one_that_goes_on(field):
     assert wait(lambda: field.modes() == {"AUTO"})
 
 
-@pytest.mark.slow
+@pytest.mark.slow(15)
 def test_a_bridge_that_knows_nothing_of_a_flight_calls_it_home(field):
     """Vehicles that hover in GUIDED are not left to themselves, and everybody is told."""
     field.fly()
