@@ -46,7 +46,8 @@ def read_document(path: Path) -> MissionDocument:
         document = _with_files_beside(parse_wpl_text(text, str(path)), path)
     else:
         raise MissionTextError(
-            f"{path}: name must end in .plan or .waypoints. Export it as one of these."
+            f"{path}: name must end in .plan or .waypoints. Export it as one of these; waypoints "
+            "of other formats are planned over (waypoints.file)."
         )
     return dataclasses.replace(document, notes=(*notes, *document.notes))
 
