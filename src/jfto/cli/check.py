@@ -15,27 +15,39 @@ if TYPE_CHECKING:
 
 @click.command("check")
 @click.argument("plans", type=PATH, nargs=-1, required=True, metavar="PLAN…")
+@click.option(
+    "--scenario",
+    "scenario_file",
+    type=PATH,
+    metavar="FILE",
+    help="Whose terrain lies below. Default: scenario.yaml beside the plan.",
+)
 @json_option
-def command(plans: tuple[Path, ...], as_json: bool) -> int:
+def command(plans: tuple[Path, ...], scenario_file: Path | None, as_json: bool) -> int:
     """Verify each PLAN from its positions alone, with code that planning does not use.
 
     Every slot and ten instants between slots: visits, separation, neighbours, connectivity,
-    durations, lengths, energy; and the ways home down to the pads. Several are the sorties of one
+    durations, lengths, energy; the ways home down to the pads; and height above the ground all the
+    way, where the terrain is at hand. Several are the sorties of one
     scenario: every waypoint is in one of them. Status 0 if all holds, 3 if not.
     """
     from jfto.cli.failure import EXIT_INFEASIBLE
     from jfto.cli.results import plan_facts
-    from jfto.planning.routes import read_and_certify
+    from jfto.planning.check import check_plan
     from jfto.planning.sorties import faults_together
 
-    read = [read_and_certify(path) for path in plans]
+    checked = [check_plan(path, scenario_file) for path in plans]
+    read = [plan for plan, _ in checked]
     faults = faults_together(read) if len(read) > 1 else ()
     if as_json:
-        facts = [plan_facts(one, str(path)) for one, path in zip(read, plans, strict=True)]
+        facts = [
+            plan_facts(one, str(path)) | {"ground": ground}
+            for (one, ground), path in zip(checked, plans, strict=True)
+        ]
         print_json(facts[0] if len(facts) == 1 else {"sorties": facts, "together": list(faults)})
     else:
-        for one, path in zip(read, plans, strict=True):
-            _print(one, path)
+        for (one, ground), path in zip(checked, plans, strict=True):
+            _print(one, ground, path)
         for fault in faults:
             click.echo(f"✗ {fault}")
         if len(read) > 1 and not faults:
@@ -45,7 +57,7 @@ def command(plans: tuple[Path, ...], as_json: bool) -> int:
     return 0 if good else EXIT_INFEASIBLE
 
 
-def _print(read: Plan, path: Path) -> None:
+def _print(read: Plan, ground: str, path: Path) -> None:
     from jfto import words
 
     certificate, sortie = read.certificate, read.sortie
@@ -60,6 +72,7 @@ def _print(read: Plan, path: Path) -> None:
         "length": f"{read.total_length_m / 1000:.2f} km, {read.length_max_m / 1000:g} km allowed",
         "duration": words.flight_time(read),
         "way home": words.way_home(read) or "not planned: older plan, or written by others",
+        "ground": ground,
         "battery": _battery(read),
         "wind": words.made_for(read),
         "energy": _energy(certificate.energy_floor_j, [uav.energy_j for uav in read.uavs]),

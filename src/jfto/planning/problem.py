@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from jfto.planning.endurance import battery_of, latest_arrivals_s
@@ -10,7 +12,7 @@ from jfto.planning.network import energy_floor_of
 from jfto.planning.speeds import fleet_limits
 from jfto.planning.survey import Survey
 from jfto_msgs_py.plan_file import rounded_record
-from jfto_msgs_py.records.plan import Uav, Vector
+from jfto_msgs_py.records.plan import Uav, Vector, Waypoint
 from jfto_msgs_py.scenario import Scenario
 from jfto_msgs_py.types import Array, Flags
 from jfto_msgs_py.units import dbm_to_w
@@ -22,6 +24,7 @@ from jfto_planner.routing.certificate.mission_size import photo_capacity
 from jfto_planner.starts import check_starts, choose_starts, place_pads
 from jfto_world.motion import MotionLimits
 from jfto_world.radio import make_channel
+from jfto_world.terrain import Dem
 
 # Of the height of lift-off, what a first leg must keep above the ground until it is high enough.
 START_SHARE = 0.5
@@ -61,16 +64,16 @@ def routing_problem(scenario: Scenario, found: Survey) -> RoutingProblem:
     )
 
 
-def ground_rule(scenario: Scenario, found: Survey) -> GroundRule | None:
+def ground_rule(scenario: Scenario, surveyed: Sequence[Waypoint], dem: Dem) -> GroundRule | None:
     """What height above ground the plan must keep; waypoints that are lower are let be."""
     wanted = scenario.trajectory
     if wanted.mode == "straight":
         return None
-    waypoints = np.array([waypoint.position_m for waypoint in found.waypoints])
-    ground = found.dem.top_height(waypoints[:, 0], waypoints[:, 1])
+    waypoints = np.array([waypoint.position_m for waypoint in surveyed])
+    ground = dem.top_height(waypoints[:, 0], waypoints[:, 1])
     clearance_m = min(wanted.clearance_m, float(np.min(waypoints[:, 2] - ground)))
     start_m = wanted.takeoff_m if wanted.mode == "waypoints" else clearance_m
-    return GroundRule(found.dem.top_height, clearance_m, START_SHARE * min(start_m, clearance_m))
+    return GroundRule(dem.top_height, clearance_m, START_SHARE * min(start_m, clearance_m))
 
 
 def home_rules(scenario: Scenario, found: Survey) -> HomeRules:
@@ -78,15 +81,15 @@ def home_rules(scenario: Scenario, found: Survey) -> HomeRules:
     return HomeRules(found.dem.top_height, scenario.trajectory.clearance_m)
 
 
-def home_ground(scenario: Scenario, found: Survey) -> GroundRule:
+def home_ground(scenario: Scenario, dem: Dem) -> GroundRule:
     """The same for the certificate."""
     clearance_m = scenario.trajectory.clearance_m
-    return GroundRule(found.dem.top_height, clearance_m, clearance_m)
+    return GroundRule(dem.top_height, clearance_m, clearance_m)
 
 
 def _closed_legs(scenario: Scenario, found: Survey, waypoints: Array, pads: Array) -> Flags | None:
     """Legs of missions that pass too near the ground; curves get via points instead."""
-    rule = ground_rule(scenario, found)
+    rule = ground_rule(scenario, found.waypoints, found.dem)
     if rule is None or scenario.trajectory.mode != "waypoints":
         return None
     above = pads + np.array([0.0, 0.0, scenario.trajectory.takeoff_m])

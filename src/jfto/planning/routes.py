@@ -99,7 +99,7 @@ def plan_routes(
         # A flight in steps may come out a step later for a point a nanometre off.
         found = replace(found, waypoints=tuple(map(rounded_waypoint, found.waypoints)))
     problem = routing_problem(scenario, found)
-    ground = ground_rule(scenario, found)
+    ground = ground_rule(scenario, found.waypoints, found.dem)
     warm = None if warm_start is None else _warm_routes(warm_start, found, problem)
     progress.begin("routes", "comparing leg times with flights")
     problem, stopped, warm = _calibrated(scenario, found, problem, flight, warm)
@@ -121,7 +121,9 @@ def plan_routes(
         progress.begin("routes", "checking with independent code")
         plan = _as_flown(scenario, found, problem, flight, result.routes)
         plan = rounded(with_ways_home(plan, home_rules(scenario, found)))
-        plan = replace(plan, certificate=certify_plan(plan, ground, home_ground(scenario, found)))
+        plan = replace(
+            plan, certificate=certify_plan(plan, ground, home_ground(scenario, found.dem))
+        )
         stopped |= result.stopped_by == "user"
         estimate_s = float(expected_s(problem, result.routes).max())
         planned = Planned(plan, stopped, problem, result, estimate_s, learned)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -52,6 +53,30 @@ def test_plan_and_check_agree(
     assert planned["length_m"] == checked["length_m"]
     assert main(["check", str(path)]) == 0
     assert "verified" in capsys.readouterr().out
+
+
+def test_check_looks_at_the_ground_below(
+    tiny_run: tuple[Path, Run], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Routes and ways home over the scenario's terrain; where there is none, why is said."""
+    plan, scenario = tiny_run[0] / "plan.json", tiny_run[0] / "scenario.yaml"
+    assert main(["check", str(plan)]) == 0
+    assert "routes and ways home checked over jacksboro" in capsys.readouterr().out
+    alone = tmp_path / "plan.json"
+    alone.write_bytes(plan.read_bytes())
+    assert main(["check", str(alone)]) == 0
+    assert "not checked: no scenario.yaml beside the plan" in capsys.readouterr().out
+    high = tmp_path / "high.yaml"
+    text, count = re.subn(r"(clearance_m: )[\d.]+", r"\g<1>90.0", scenario.read_text())
+    assert count == 1
+    high.write_text(text)
+    assert main(["check", str(alone), "--scenario", str(high), "--json"]) == 3
+    found = json.loads(capsys.readouterr().out)
+    wanted = found["certificate"]["violations"]
+    assert any("on its way home, 90 m are wanted" in message for message in wanted)
+    high.rename(tmp_path / "scenario.yaml")
+    assert main(["check", str(alone)]) == 0
+    assert "scenario.yaml is not the scenario of this plan" in capsys.readouterr().out
 
 
 def test_a_learned_plan_is_told_beside_the_search(
