@@ -22,7 +22,7 @@ _NODES_PER_CELL = 3
 _MOST_NODES = 1000
 # Where models meet that are of different grids, the outer half of their last cells fills the seam.
 SEAM_CELLS = 0.51
-_PROBES = 65
+_PROBES = 129
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,15 @@ def layers_under(
     lat, lon = _nodes(
         frame, *(np.linspace(-0.5, 0.5, _PROBES) * (side + 2 * margin) for side in size_m)
     )
-    below = [layer for layer in layers if layer.covers(lat, lon, SEAM_CELLS).any()]
+
+    def under(layer: Layer) -> bool:
+        # One may be smaller than the probes are apart.
+        east, north, _ = frame.to_enu(*layer.middle(), 0.0)
+        half = [side / 2 + margin for side in size_m]
+        within = abs(east) <= half[0] and abs(north) <= half[1]
+        return bool(within or layer.covers(lat, lon, SEAM_CELLS).any())
+
+    below = [layer for layer in layers if under(layer)]
     return tuple(sorted(below or layers, key=lambda layer: layer.cell_m(frame)))
 
 

@@ -44,8 +44,7 @@ def load_dem(
 ) -> Dem:
     """Ground of an area, known some way beyond it too, as cameras stand outside of slopes.
 
-    The origin's altitude is the ground's at the centre, above sea level: heights above the
-    ellipsoid are brought there by the geoid.
+    Heights above the ellipsoid are brought to sea level by the geoid.
 
     Parameters
     ----------
@@ -82,10 +81,9 @@ def load_dem(
     grid = area_grid(layers, frame, size_m, margin_m, name)
     altitudes, agreement = altitudes_under(layers, grid, frame, zero_is_void, name)
 
-    middle = altitudes(np.array([lat_deg]), np.array([lon_deg]))
     datum, converted = datum_of(layers[0], frame)
+    middle = altitudes(np.array([lat_deg]), np.array([lon_deg]))
     origin = Origin(lat_deg, lon_deg, float(middle[0]), datum)
-    notes = [note for layer in layers for note in layer.notes]
     return Dem(
         origin=origin,
         size_m=(float(size_m[0]), float(size_m[1])),
@@ -93,7 +91,7 @@ def load_dem(
         surface=_surface(grid, altitudes, LocalFrame(origin)),
         height_datum=datum,
         description=_description(name, layers, grid, datum, origin, size_m),
-        notes=tuple(dict.fromkeys([*notes, *agreement, *converted])),
+        notes=(*_notes(layers), *agreement, *converted),
     )
 
 
@@ -131,6 +129,10 @@ def open_layers(source: str | Path, declared: DeclaredHeights = AS_IN_FILE) -> t
     if own:
         return (open_autopilot_grids([path], str(path)),)
     return (RasterLayer(jacksboro()),)
+
+
+def _notes(layers: Sequence[Layer]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(note for layer in layers for note in layer.notes))
 
 
 def _surface(grid: AreaGrid, altitudes: Heights, frame: LocalFrame) -> CubicSurface:

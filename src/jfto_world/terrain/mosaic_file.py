@@ -18,6 +18,12 @@ def mosaic_files(path: Path) -> list[Path]:
 
     GDAL opens a mosaic's files only when their cells are read, and would fetch or wait then.
     """
+    return _files(path, {path.resolve()})
+
+
+def _files(path: Path, above: set[Path]) -> list[Path]:
+    if path.suffix.lower() != ".vrt":
+        raise TerrainError(f"{path} is a packed mosaic. Unpack it beside the tiles that it names.")
     if path.stat().st_size > _LARGEST_BYTES:
         raise TerrainError(f"{path} is larger than any mosaic. Name one made by gdalbuildvrt.")
     text = path.read_text(encoding="utf-8", errors="replace")
@@ -37,7 +43,7 @@ def mosaic_files(path: Path) -> list[Path]:
         if name.startswith("/vsi") or not name:
             continue
         file = path.parent / name if _RELATIVE.search(attributes) else Path(name)
-        if file.absolute() == path.absolute():
+        if file.resolve() in above:
             raise TerrainError(f"{path} names itself. Make it anew with gdalbuildvrt.")
         if not file.exists():
             raise TerrainError(
@@ -45,4 +51,6 @@ def mosaic_files(path: Path) -> list[Path]:
                 "mosaic, or make it anew where they lie (gdalbuildvrt)."
             )
         found.append(file)
+        if file.suffix.lower() == ".vrt":
+            found.extend(_files(file, above | {file.resolve()}))
     return found

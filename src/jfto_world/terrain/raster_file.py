@@ -61,7 +61,7 @@ def open_raster(path: Path, declared: DeclaredHeights = AS_IN_FILE) -> Raster:
     """
     check_file(path)
     suffix = packed.kind_of(path, SUFFIXES)
-    if suffix == ".vrt" and path.suffix.lower() == ".vrt":
+    if suffix == ".vrt":
         mosaic_files(path)
     with _open(path) as dataset:
         _check_content(dataset, path)

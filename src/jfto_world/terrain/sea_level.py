@@ -34,17 +34,21 @@ def altitudes_under(
             cell_m = layer.cell_m(frame)
             read = layer.heights(lat[here], lon[here], grid.spacing_m, cell_m, zero_is_void)
             parts.append((layer, _at_sea_level(layer, read)))
+    altitudes = parts[0][1] if len(parts) == 1 else _ranked(parts)
+    _check_whole(altitudes(lat, lon), grid, zero_is_void, name)
     overlap = Overlap()
-    if len(parts) > 1:
-        first, *others = [
-            (layer.name, _within(layer, read, 0.0)(lat, lon)) for layer, read in parts
-        ]
-        for other in others:
+    found = [(layer.name, _within(layer, read, 0.0)(lat, lon)) for layer, read in parts[1:]]
+    if found:
+        finest, read = parts[0]
+        first = finest.name, _within(finest, read, 0.0)(lat, lon)
+        for other in found:
             overlap.compare(first, other)
-    # Beyond its outermost cells a layer is taken only where no other has a height.
-    ranked = [_within(layer, read, 0.0) for layer, read in parts]
-    if len(parts) > 1:
-        ranked += [_within(layer, read, SEAM_CELLS) for layer, read in parts]
+    return altitudes, overlap.notes()
+
+
+def _ranked(parts: Sequence[tuple[Layer, Heights]]) -> Heights:
+    """Heights of the first part that has one; beyond its outermost cells it comes after others."""
+    ranked = [_within(layer, read, beyond) for beyond in (0.0, SEAM_CELLS) for layer, read in parts]
 
     def altitudes(lat_deg: Array, lon_deg: Array) -> Array:
         result = np.full(lat_deg.shape, np.nan)
@@ -54,8 +58,7 @@ def altitudes_under(
                 result[missing] = heights(lat_deg[missing], lon_deg[missing])
         return result
 
-    _check_whole(altitudes(lat, lon), grid, zero_is_void, name)
-    return altitudes, overlap.notes()
+    return altitudes
 
 
 def datum_of(layer: Layer, frame: LocalFrame) -> tuple[str, tuple[str, ...]]:

@@ -51,8 +51,8 @@ def _of_one_datum(layers: Sequence[Layer]) -> tuple[Layer, ...]:
         if layer.height_datum != first.height_datum:
             raise TerrainError(
                 f"{layer.name} has another height datum than {first.name} ({layer.height_datum}, "
-                f"{first.height_datum}): they are not tiles of one model. Move it elsewhere, or "
-                "convert one (gdalwarp)."
+                f"{first.height_datum}): they are not tiles of one model. Move it elsewhere, "
+                "convert one (gdalwarp), or declare terrain.vertical_datum where files are silent."
             )
     return tuple(layers)
 

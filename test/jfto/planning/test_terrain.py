@@ -13,6 +13,7 @@ from affine import Affine
 from jfto.cli import main
 from jfto.pipeline.directory import make_run_directory
 from jfto.planning.scenario_file import load_scenario
+from jfto.planning.terrain import terrain_files
 from support.html import HtmlChecker
 from support.runs import run_all
 
@@ -85,3 +86,17 @@ def test_the_built_in_tile_needs_no_word(
     said, origin = planned(tiny, tmp_path / "plan.json", capsys)
     assert "does not say" not in said
     assert origin["datum"] == "mean sea level"
+
+
+def test_files_of_folders_and_mosaics_are_known(tiny: Path, tmp_path: Path) -> None:
+    """A run is made anew when any of them has changed."""
+    tiles = tmp_path / "tiles"
+    tiles.mkdir()
+    for name in ("a.tif", "b.tif"):
+        (tiles / name).write_bytes(b"x")
+    mosaic = tmp_path / "all.vrt"
+    mosaic.write_text('<SourceFilename relativeToVRT="1">tiles/a.tif</SourceFilename>')
+    sets = [f"terrain.source={tiles}", f"terrain.surface={mosaic}"]
+    expected = [tiles / "a.tif", tiles / "b.tif", mosaic, tiles / "a.tif"]
+    assert terrain_files(load_scenario(tiny, sets)) == expected
+    assert terrain_files(load_scenario(tiny)) == []

@@ -185,3 +185,34 @@ def test_at_the_poles_longitudes_turn_and_the_ground_does_not(tmp_path, crs, lat
     lat_, lon_, alt = samples(dem)
     x, y = Transformer.from_crs("EPSG:4326", crs, always_xy=True).transform(lon_, lat_)
     assert np.abs(alt - (300 + 0.2 * x - 0.1 * y)).max() < 0.01
+
+
+def test_a_mosaic_follows_no_other_off_this_computer(tmp_path):
+    """A mosaic of a mosaic is looked into, and one that comes back to the first is refused."""
+    inner, outer = tmp_path / "inner.vrt", tmp_path / "outer.vrt"
+    text = (
+        '<VRTDataset rasterXSize="9" rasterYSize="9"><SRS>EPSG:4326</SRS>'
+        "<GeoTransform>7,0.1,0,46,0,-0.1</GeoTransform>"
+        '<VRTRasterBand dataType="Int16" band="1"><SimpleSource><SourceFilename '
+        'relativeToVRT="{}">{}</SourceFilename></SimpleSource></VRTRasterBand></VRTDataset>'
+    )
+    outer.write_text(text.format(1, "inner.vrt"))
+    for relative, name, words in (
+        (0, "/vsis3/bucket/a.tif", "inner.vrt names '/vsis3/bucket/a.tif', which is no file"),
+        (1, "outer.vrt", "names itself"),
+    ):
+        inner.write_text(text.format(relative, name))
+        with pytest.raises(TerrainError, match=words):
+            load_dem(outer, center=(46.0, 7.0), size_m=SIZE)
+
+
+def test_a_small_fine_model_in_a_wide_area_is_not_passed_over(tmp_path):
+    """Of 50 m it lies between the places at which coverage is probed."""
+
+    def level(lat, lon):
+        return 1500.0 + 0 * lat
+
+    write(tmp_path / "coarse.tif", (LON - 0.3, LAT + 0.2), 1 / 1200, (480, 720), height=level)
+    write(tmp_path / "fine.tif", (LON - 0.0003, LAT + 0.0003), 0.00001, (60, 60), height=level)
+    dem = load_dem(tmp_path, center=(LAT + 0.02, LON + 0.01), size_m=(15_000.0, 15_000.0))
+    assert "in 2 grids" in dem.description
