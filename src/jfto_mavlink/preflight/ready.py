@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
 
@@ -9,6 +10,7 @@ from jfto_mavlink.preflight.case import Case
 from jfto_mavlink.preflight.facts import Snapshot
 from jfto_mavlink.preflight.page import AMBER, GREEN, RED, Finding
 from jfto_mavlink.preflight.settings import GateSettings
+from jfto_world.mission.encoding import ITEMS_MAX
 
 # Texts of ArduCopter's checks that come with a vehicle just switched on, and go by themselves.
 _SETTLES = re.compile(
@@ -21,6 +23,8 @@ _SKY = "Give it a clear sky and time."
 _WAITS = "not ready yet, run waits for it"
 # Beyond what the plan allows for by more than this nobody should start.
 WIND_MORE_MPS = 3.0
+# Bytes in the file of missions on a card: each item, and before the first.
+_CARD_ITEM, _CARD_HEAD = 15, 4
 
 
 def unready(now: Snapshot, settings: GateSettings) -> Iterator[Finding]:
@@ -103,6 +107,18 @@ def on_board(case: Case) -> Iterator[Finding]:
     """Whether the vehicle holds the mission of the plan, where that was read back."""
     for text in case.aboard.differing:
         yield Finding("mission", RED, f"mission on board: {text}", "Upload.")
+    items = len(case.mission.mission.items)
+    card_kb = case.aboard.get("BRD_SD_MISSION", 0.0)
+    held = int((card_kb * 1024 - _CARD_HEAD) / _CARD_ITEM) if card_kb > 0 else ITEMS_MAX
+    if items <= held:
+        return
+    if card_kb > 0:
+        text = f"its mission has {items} items, its card is to hold {held} (BRD_SD_MISSION)"
+        cure = f"Set BRD_SD_MISSION to {math.ceil(items * _CARD_ITEM / 1024) + 1} and reboot."
+        yield Finding("mission", RED, text, cure)
+    else:
+        text = f"its mission has {items} items; boards hold {held} at least, this one does not say"
+        yield Finding("mission", AMBER, text, "The upload will tell; a card holds more.")
 
 
 def wind(case: Case) -> Iterator[Finding]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -24,7 +25,7 @@ from jfto_mavlink.preflight.page import (
     read_page,
     write_page,
 )
-from jfto_mavlink.preflight.ready import unready, wind
+from jfto_mavlink.preflight.ready import on_board, unready, wind
 from jfto_mavlink.preflight.settings import GateSettings
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.records.battery import Battery
@@ -67,6 +68,28 @@ def test_the_mission_is_held_against_the_fence_on_board(make_case, set_, figures
     assert max(found, key=lambda f: (GREEN, AMBER, RED).index(f.level)).level == level
     assert any(re.search(words, finding.text) for finding in found)
     assert all(finding.cure for finding in found if finding.level != GREEN)
+
+
+@pytest.mark.parametrize(
+    ("items", "card_kb", "level", "words"),
+    [
+        (650, 0.0, None, ""),
+        (700, 0.0, AMBER, "700 items; boards hold 650 at least"),
+        (700, 64.0, None, ""),
+        (700, 8.0, RED, "its card is to hold 545"),
+    ],
+)
+def test_a_mission_is_held_against_what_the_autopilot_keeps(
+    make_case, items, card_kb, level, words
+):
+    """What a card is to hold is a parameter; of its own memory an autopilot says nothing."""
+    case = make_case({"BRD_SD_MISSION": card_kb})
+    own = case.mission.mission
+    more = own.items + own.items[2:3] * (items - len(own.items))
+    mission = replace(case.mission, mission=replace(own, items=more))
+    found = list(on_board(replace(case, mission=mission)))
+    assert [each.level for each in found] == ([] if level is None else [level])
+    assert all(words in each.text and each.cure for each in found)
 
 
 def test_a_fence_that_cannot_be_read_stops_the_flight(make_case):
