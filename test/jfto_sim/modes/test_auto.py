@@ -1,5 +1,7 @@
 """AUTO: starting, resuming, items behind waypoints, delays, uploads in the air."""
 
+from itertools import pairwise
+
 import pytest
 
 from jfto_sim import Vehicle, VehicleConfig
@@ -292,3 +294,50 @@ def test_terrain_item_flies_into_the_ground_or_home(flying):
     flying.run(0.2)
     assert "Failsafe: Terrain data missing" in flying.texts()
     assert flying.vehicle.mode.number == 6
+
+
+def photos(pilot):
+    return [h for h in pilot.heard if h.message.get_type() == "CAMERA_FEEDBACK"]
+
+
+def test_a_series_of_photographs_ends_by_itself(flying):
+    """2000 with an interval and a count: the first at once, the next after more than 2 s each."""
+    start(flying, [waypoint(0, 10), do(2000, 0, 2.0, 3), waypoint(0, 200)])
+    until(flying, "Reached command #3")
+    taken = [h.time_s for h in photos(flying)]
+    assert len(taken) == 3
+    assert taken[0] - times(flying, "Reached command #1")[0] < 0.1
+    assert [b - a for a, b in pairwise(taken)] == pytest.approx([2.0, 2.0], abs=0.06)
+
+
+def test_a_series_without_end_is_ended(flying):
+    """2001 stops what 2000 without a count began."""
+    start(flying, [waypoint(0, 10), do(2000, 0, 1.0, 0), waypoint(0, 60), do(2001),
+                   waypoint(0, 90)])  # fmt: skip
+    until(flying, "Reached command #3")
+    taken = len(photos(flying))
+    assert taken >= 4
+    until(flying, "Reached command #5")
+    assert len(photos(flying)) <= taken + 1
+
+
+def test_distance_counts_from_the_last_photograph_and_waits_for_the_last_metres(flying):
+    """206 at once, off within 114 of the next waypoint: photos at 0, 20, 40 and 60 m of 80."""
+    start(flying, [waypoint(0, 20), do(206, 20, 0, 1), do(114, 10), do(206), waypoint(0, 100),
+                   waypoint(0, 140)])  # fmt: skip
+    until(flying, "Reached command #6")
+    taken = [h.message.lat for h in photos(flying)]
+    assert len(taken) == 4
+    apart_m = [(b - a) / 1e7 * 111_194 for a, b in pairwise(taken)]
+    assert apart_m == pytest.approx([20.0] * 3, abs=0.3)
+
+
+@pytest.mark.parametrize(("behaviour", "kept"), [(0, True), (2, False)])
+def test_a_heading_outlasts_its_waypoint_only_where_the_nose_is_left_alone(flying, behaviour, kept):
+    """WP_YAW_BEHAVIOR 0 keeps what 115 has set; else the nose follows the route from there."""
+    flying.set_parameter("WP_YAW_BEHAVIOR", behaviour)
+    start(flying, [do(115, 90), waypoint(0, 60), waypoint(0, 120)])
+    until(flying, "Reached command #2")
+    assert flying.vehicle.body.yaw_deg == pytest.approx(90, abs=2)
+    until(flying, "Reached command #3")
+    assert (abs(flying.vehicle.body.yaw_deg - 90) < 2) == kept
