@@ -82,12 +82,15 @@ def rms_m(directory: Path, late_s: float) -> tuple[float, ...]:
 
 
 def fly(scene: Path, plan: Path, directory: Path, number: int, busy: int) -> Flown:
-    """One run at a load."""
+    """One run at a load; exits with what `jfto run` says where it does not fly."""
     command = [sys.executable, "-m", "jfto", "run", str(scene), "--plan", str(plan)]
     command += ["--set", "trajectory.mode=guided", "-o", str(directory), "--json"]
     with load(busy):
         done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT_S, check=False)
-    facts = json.loads(done.stdout)["flight"]
+    printed = json.loads(done.stdout) if done.stdout else {"problems": [done.stderr]}
+    facts = printed.get("flight")
+    if facts is None:
+        sys.exit("\n".join(printed.get("problems", [done.stderr])))
     waypoints = json.loads((directory / FLIGHT_NAME).read_text())["waypoints"]
     late = [one["late_s"] for one in waypoints["passages"] if one["late_s"] is not None]
     lateness_s = float(np.median(late)) if late and max(late) > 1.0 else 0.0

@@ -201,22 +201,6 @@ def plan_of(
     """
     routes = _indices(problem, routes)
     radio = radio or Radio()
-    sensitivity_w = float(dbm_to_w(radio.sensitivity_dbm))
-    p_max_dbm = w_to_dbm(make_channel(radio).required_power(problem.reach_m, sensitivity_w))
-    energy = problem.energy_j
-    uavs = tuple(
-        Uav(
-            id=f"uav{a + 1}",
-            p_max_dbm=float(p_max_dbm[a]),
-            energy_j=ANY_ENERGY_J if energy is None else float(energy[a]),
-            t_max_s=float(problem.t_max_s[a]),
-            speed_mps=limits.speed_mps,
-            climb_mps=limits.climb_mps,
-            descent_mps=limits.descent_mps,
-            start_m=_vector(problem.starts_m[a]),
-        )
-        for a, limits in enumerate(problem.limits)
-    )
     terms = PlanTerms(
         scenario_hash="",
         seed=seed,
@@ -229,9 +213,28 @@ def plan_of(
         slot_count=problem.slot_count,
         horizon_s=problem.horizon_s,
         waypoints=tuple(Waypoint(k, _vector(p)) for k, p in enumerate(problem.waypoints_m)),
-        uavs=uavs,
+        uavs=_uavs(problem, radio),
     )
     return build_plan(routes, terms, *_named(problem.time_model))
+
+
+def _uavs(problem: RoutingProblem, radio: Radio) -> tuple[Uav, ...]:
+    sensitivity_w = float(dbm_to_w(radio.sensitivity_dbm))
+    p_max_dbm = w_to_dbm(make_channel(radio).required_power(problem.reach_m, sensitivity_w))
+    energy = problem.energy_j
+    return tuple(
+        Uav(
+            id=f"uav{a + 1}",
+            p_max_dbm=float(p_max_dbm[a]),
+            energy_j=ANY_ENERGY_J if energy is None else float(energy[a]),
+            t_max_s=float(problem.t_max_s[a]),
+            speed_mps=limits.speed_mps,
+            climb_mps=limits.climb_mps,
+            descent_mps=limits.descent_mps,
+            start_m=_vector(problem.starts_m[a]),
+        )
+        for a, limits in enumerate(problem.limits)
+    )
 
 
 def _indices(
