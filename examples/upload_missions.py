@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 import jfto
-from jfto.flight.fleet_link import open_fleet
+from jfto.flight.fleet_link import Simulated, open_fleet
 from jfto.planning.terrain import load_ground
 from jfto_mavlink.fleet.fly import deliver_to_fleet
 from jfto_mavlink.mission.build import build_missions
@@ -30,7 +30,8 @@ def main(vehicles: str = "sim") -> None:
     built = build_missions(plan, settings_for(plan), ground=ground)
     missions = {each.uav: each.mission for each in built}
 
-    with open_fleet(vehicles.split(","), plan, speedup=10.0 if vehicles == "sim" else 1.0) as fleet:
+    simulated = Simulated(speedup=10.0 if vehicles == "sim" else 1.0)
+    with open_fleet(vehicles.split(","), plan, simulated=simulated) as fleet:
         delivery = deliver_to_fleet(fleet, missions)
         release = delivery.release()  # raises an error that names every vehicle that failed
         for uav, digest in release.digests.items():
