@@ -17,6 +17,7 @@ from jfto_mavlink.dialect import mavlink
 from jfto_mavlink.errors import MissionError
 from jfto_mavlink.protocol.item import FRAME_HOME, FRAME_TERRAIN, Item, distance_m
 from jfto_msgs_py.types import Array
+from jfto_world.mission.encoding import ITEMS_MAX
 
 _HOLDING = (
     mavlink.MAV_CMD_NAV_WAYPOINT,
@@ -29,7 +30,8 @@ _PLACED_FRAMES = (0, 5, 3, 6, 10, 11)
 
 @dataclass(frozen=True)
 class MissionLimits:
-    """What a mission may hold. Heights are above home; `items_max` includes home, 0: as planned.
+    """What a mission may hold. Heights are above home; `items_max` includes home; 0: as
+    the plan says, else 650.
 
     Where the ground is known, legs pass at least `clearance_min_m` above it, and the straight way
     home `return_clearance_m`.
@@ -53,10 +55,9 @@ class MissionLimits:
 def check_limits(uav: str, items: Sequence[Item], limits: MissionLimits) -> None:
     """Raise MissionError that lists everything in a mission that breaks a limit."""
     problems = []
-    if limits.items_max and len(items) > limits.items_max:
-        problems.append(
-            f"{len(items)} items, at most {limits.items_max}: split the route or drop items"
-        )
+    items_max = limits.items_max or ITEMS_MAX
+    if len(items) > items_max:
+        problems.append(f"{len(items)} items, at most {items_max}: split the route or drop items")
     if items and (len(items) < 2 or items[1].command != mavlink.MAV_CMD_NAV_TAKEOFF):
         problems.append("item 1 must be a take-off: ArduCopter does not start AUTO without it")
     for seq, item in enumerate(items[1:], start=1):

@@ -10,8 +10,9 @@ import pytest
 from jfto_mavlink.dialect import mavlink
 from jfto_mavlink.errors import MissionError
 from jfto_mavlink.mission.build import build_missions
-from jfto_mavlink.mission.limits import MissionLimits
+from jfto_mavlink.mission.limits import MissionLimits, check_limits
 from jfto_mavlink.mission.settings import MissionSettings, settings_for
+from jfto_mavlink.protocol.item import Item
 from jfto_msgs_py.records.plan import Line, Route
 from jfto_world.terrain.frame import LocalFrame
 
@@ -222,6 +223,8 @@ def test_what_the_autopilot_would_store_unchecked_is_refused(plan):
         )
     with pytest.raises(MissionError, match="from home"):
         build_missions(plan, MissionSettings(limits=MissionLimits(distance_max_m=20.0)))
+    with pytest.raises(MissionError, match="at most 650"):
+        check_limits("x", [Item(16)] + [Item(22)] * 650, MissionLimits())
     with pytest.raises(MissionError, match="at most 10"):
         build_missions(plan, MissionSettings(limits=MissionLimits(items_max=10)))
 
