@@ -31,7 +31,7 @@ from jfto_msgs_py.records.plan import (
     Waypoint,
 )
 from jfto_msgs_py.records.radio import Radio
-from jfto_msgs_py.records.site import Fence, Polygon, Sortie
+from jfto_msgs_py.records.site import Fence, GroundStation, Polygon, Sortie
 from jfto_msgs_py.records.topology import LITERAL, TOPOLOGY_FORMS
 from jfto_msgs_py.records.way_home import WayHome
 
@@ -101,6 +101,7 @@ def plan_text(plan: Plan) -> str:
         "sortie": plan.sortie,
         "area": plan.area,
         "fence": plan.fence,
+        "ground_stations": plan.ground_stations,
         "trigger": plan.trigger,
         "mission_items": plan.mission_items,
         "slots": {"count": slots.count, "duration_s": slots.duration_s},
@@ -223,6 +224,7 @@ class _Document:
     topology: Annotated[str, OneOf(TOPOLOGY_FORMS)] = field(default=LITERAL, metadata=MAY_LACK)
     area: tuple[Polygon, ...] = field(default=(), metadata=MAY_LACK)
     fence: Fence | None = field(default=None, metadata=MAY_LACK)
+    ground_stations: tuple[GroundStation, ...] = field(default=(), metadata=MAY_LACK)
     sortie: Sortie = field(default=Sortie(), metadata=MAY_LACK)
     trigger: Text = field(default="each", metadata=MAY_LACK)
     mission_items: Annotated[int, Range(1)] = field(default=650, metadata=MAY_LACK)

@@ -135,7 +135,14 @@ def test_a_plan_of_an_older_version_is_read_without_what_it_did_not_know(version
     """No site before version 3, no way home, endurance or wind in 1; it is written as version 3."""
     document = json.loads(plan_text(_plan()))
     document["version"] = version
-    for name in ("area", "fence", "sortie", "topology", *(["wind_mps"] if version == 1 else [])):
+    for name in (
+        "area",
+        "fence",
+        "ground_stations",
+        "sortie",
+        "topology",
+        *(["wind_mps"] if version == 1 else []),
+    ):
         del document[name]
     for waypoint in document["waypoints"]:
         del waypoint["photo"]

@@ -12,14 +12,16 @@ from jfto.planning.network import Network, network_of, power_of, topology_of
 from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.records.topology import CLOSED, ELASTIC, LITERAL, TOPOLOGY_FORMS
 from jfto_msgs_py.types import Array, Flags
+from jfto_msgs_py.units import dbm_to_w
 from jfto_power.allocation import Allocation
 from jfto_topology.algorithms.cpapo import cpapo
 from jfto_topology.algorithms.ctop import Topology
 from jfto_topology.algorithms.lmst import a_lmst
 from jfto_topology.algorithms.mtp import mtp
 from jfto_topology.algorithms.powered import PoweredTopology
+from jfto_topology.ground_rate import NODE_EXCLUSIVE, ONE_BAND, deaf_uavs, ground_rate
 from jfto_topology.metrics import average_hops, connectivity_rate, energy_used, slot_throughput
-from jfto_world.radio import degrees, mutual_links
+from jfto_world.radio import degrees, mutual_links, rate_bps
 
 # Rows of C-TOP's forms; the paper has one row, for which each of them is a reading.
 FORM_NAMES = {form: f"C-TOP {form}" for form in TOPOLOGY_FORMS}
@@ -45,6 +47,32 @@ class LinkMetrics:
 
 
 @dataclass(frozen=True)
+class GroundRates:
+    """Rate that all UAVs can send to the ground stations at once, bit/s, slots 0 … N.
+
+    `own_time_bps` where each radio has its own time only, `one_band_bps` where all share one
+    channel; both (N + 1,). `deaf` (N + 1, A) are UAVs without a way to any station.
+    """
+
+    own_time_bps: Array
+    one_band_bps: Array
+    deaf: Flags
+
+    @property
+    def mean_mbps(self) -> tuple[float, float]:
+        """Both in Mb/s, means over slots 1 … N."""
+        own, shared = (
+            float(each[1:].mean() / 1e6) for each in (self.own_time_bps, self.one_band_bps)
+        )
+        return own, shared
+
+    @property
+    def deaf_share(self) -> float:
+        """Share of UAVs and slots without a way to the ground."""
+        return float(self.deaf[1:].mean())
+
+
+@dataclass(frozen=True)
 class AlgorithmResult:
     """One algorithm on one plan.
 
@@ -52,8 +80,8 @@ class AlgorithmResult:
     link that is the same for all algorithms; `active` only the links that both ends list, to which
     the neighbour rule applies. `power_w` is (N + 1, A), 0 where a UAV is off the air; `degree`
     (N + 1, A) counts active links; `decades` is the sum of log10(1 + SNR) over linked pairs and
-    slots 1 … N; `energy_j` (A,) is what slots 1 … N cost. `traverses_all` says
-    that no UAV runs out of energy before the fleet is done.
+    slots 1 … N; `ground` is there where the plan has ground stations; `energy_j` (A,) is what
+    slots 1 … N cost. `traverses_all` says that no UAV runs out of energy before the fleet is done.
     """
 
     name: str
@@ -64,6 +92,7 @@ class AlgorithmResult:
     decades: float
     energy_j: Array
     traverses_all: bool
+    ground: GroundRates | None = None
 
     @property
     def heard(self) -> NDArray[np.int64]:
@@ -190,6 +219,31 @@ class _Rating:
             decades=float(metrics.throughput_bps[1:].sum() / band_hz * np.log10(2.0)),
             energy_j=energy_used(power_w, self.plan.slots.duration_s),
             traverses_all=bool(on_air.all()),
+            ground=self._ground(linked, power_w) if self.plan.ground_stations else None,
+        )
+
+    def _ground(self, linked: Flags, power_w: Array) -> GroundRates:
+        """Rates over links between UAVs (N + 1, A, A) and those that stations and UAVs make."""
+        plan, network = self.plan, self.network
+        slots, uavs = power_w.shape
+        stations = plan.ground_stations
+        places = np.array([station.position_m for station in stations])
+        away_m = np.linalg.norm(network.positions_m[:, :, None] - places, axis=3)
+        gain = network.channel.gain(away_m)
+        # What the station cannot answer is no link, as between UAVs.
+        weaker_w = np.minimum(
+            power_w[:, :, None], dbm_to_w(np.array([s.p_max_dbm for s in stations]))
+        )
+        rate = np.zeros((slots, uavs + len(stations), uavs + len(stations)))
+        sent = rate_bps(plan.radio, power_w[:, :, None], network.gain)
+        rate[:, :uavs, :uavs] = np.where(linked, sent, 0.0)
+        sent = rate_bps(plan.radio, power_w[:, :, None], gain)
+        rate[:, :uavs, uavs:] = np.where(weaker_w * gain >= network.sensitivity_w, sent, 0.0)
+        count = len(stations)
+        return GroundRates(
+            ground_rate(rate, count, NODE_EXCLUSIVE),
+            ground_rate(rate, count, ONE_BAND),
+            deaf_uavs(rate > 0, count),
         )
 
     def _metrics(self, links: Flags, power_w: Array, on_air: Flags) -> LinkMetrics:

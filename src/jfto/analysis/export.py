@@ -7,7 +7,7 @@ import io
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from jfto.analysis.comparison import Comparison, LinkMetrics
+from jfto.analysis.comparison import Comparison, GroundRates, LinkMetrics
 from jfto.analysis.paper import PAPER, paper_row
 from jfto_msgs_py.files import plain
 from jfto_msgs_py.records.certificate import Certificate
@@ -28,6 +28,7 @@ def comparison_object(plan: Plan, comparison: Comparison, scene: str) -> dict[st
             "degree_mean": result.degree.mean(),
             "degree_max": result.degree.max(),
             "decades": result.decades,
+            "ground": _ground_object(result.ground),
             "heard_min": result.heard.min(),
             "heard_mean": result.heard.mean(),
             "heard_max": result.heard.max(),
@@ -48,6 +49,14 @@ def comparison_object(plan: Plan, comparison: Comparison, scene: str) -> dict[st
         }
     )
     return found
+
+
+def _ground_object(ground: GroundRates | None) -> dict[str, float] | None:
+    """Rates to the ground, None without a station."""
+    if ground is None:
+        return None
+    own, shared = ground.mean_mbps
+    return {"own_time_mbps": own, "one_band_mbps": shared, "deaf_share": ground.deaf_share}
 
 
 def _links_object(links: LinkMetrics) -> dict[str, float]:

@@ -60,6 +60,9 @@ PAPER: dict[str, dict[str, PaperRow]] = {
 # What `beside_paper` gives, in its order.
 HEADINGS = ("Traverses all", "ξ (%)", "Σ log10(1 + SNR)", "Hops", "Throughput (Mb/s)")
 
+# What `ground_cells` gives: Mb/s where each radio has its own time / where all share one band.
+GROUND_HEADINGS = ("To ground (Mb/s)", "No way to it")
+
 
 def beside_paper(result: AlgorithmResult, scene: str) -> list[tuple[str, str]]:
     """An algorithm's figures and the paper's, as texts; those are empty where it gives none."""
@@ -74,6 +77,14 @@ def paper_row(scene: str, algorithm: str) -> PaperRow | None:
     """The paper's row of an algorithm, its one of C-TOP for each of the forms; None without."""
     name = OURS if algorithm in FORM_NAMES.values() else algorithm
     return PAPER.get(scene, {}).get(name)
+
+
+def ground_cells(result: AlgorithmResult) -> list[str]:
+    """Rates to the ground and who has no way to it, under `GROUND_HEADINGS`; empty without."""
+    if result.ground is None:
+        return []
+    own, shared = result.ground.mean_mbps
+    return [f"{own:.0f} / {shared:.0f}", f"{100 * result.ground.deaf_share:.0f} %"]
 
 
 def ratios_text(comparison: Comparison, scene: str) -> str:

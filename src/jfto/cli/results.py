@@ -11,7 +11,14 @@ from rich.table import Table
 
 from jfto.analysis.comparison import Comparison
 from jfto.analysis.export import certificate_object, comparison_object
-from jfto.analysis.paper import HEADINGS, active_text, beside_paper, ratios_text
+from jfto.analysis.paper import (
+    GROUND_HEADINGS,
+    HEADINGS,
+    active_text,
+    beside_paper,
+    ground_cells,
+    ratios_text,
+)
 from jfto.cli.failure import EXIT_INTERRUPTED, EXIT_OTHER
 from jfto.cli.options import print_json
 from jfto.console.progress import Progress
@@ -69,7 +76,8 @@ def comparison_table(rows: list[tuple[str, Comparison]]) -> Table:
     table = Table(title="Ours, and in brackets the paper's figures", title_justify="left")
     table.add_column("Scene")
     table.add_column("Algorithm", no_wrap=True)
-    for heading in (*HEADINGS, "Listed", "Heard"):
+    grounded = any(comparison.ours.ground for _, comparison in rows)
+    for heading in (*HEADINGS, "Listed", "Heard", *(GROUND_HEADINGS if grounded else ())):
         table.add_column(heading, justify="right")
     for scene, comparison in rows:
         for index, result in enumerate(comparison.results):
@@ -83,6 +91,7 @@ def comparison_table(rows: list[tuple[str, Comparison]]) -> Table:
                 f"[bold]{result.name}[/bold]" if ours else result.name,
                 *cells,
                 *result.spans,
+                *ground_cells(result),
                 end_section=ours,
             )
     return table

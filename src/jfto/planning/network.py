@@ -8,8 +8,11 @@ from functools import partial
 
 import numpy as np
 
+from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.records.radio import Radio
+from jfto_msgs_py.records.site import GroundStation
+from jfto_msgs_py.scenario.mission import NetworkPart
 from jfto_msgs_py.types import Array
 from jfto_msgs_py.units import dbm_to_w
 from jfto_power.allocation import Allocation, PowerProblem, allocate, allocate_prefix
@@ -17,6 +20,7 @@ from jfto_power.shortage import EnergyShortage
 from jfto_topology.algorithms.ctop import Topology, energy_floor
 from jfto_topology.algorithms.elastic import Air, topology_of_form
 from jfto_world.radio import LogDistanceChannel, make_channel, noise_w, pairwise_distances
+from jfto_world.terrain import Dem
 
 EnergyFloor = Callable[[Array, float], Array]
 
@@ -51,6 +55,24 @@ def network_of(plan: Plan) -> Network:
         energy_j=np.array([uav.energy_j for uav in plan.uavs]),
         speed_mps=np.array([uav.speed_mps for uav in plan.uavs]),
     )
+
+
+def ground_stations(network: NetworkPart, dem: Dem) -> tuple[GroundStation, ...]:
+    """Ground stations on the ground of a DEM; raises InputError for one beside it."""
+    stations = []
+    places = network.ground_stations_deg
+    for latitude, longitude in zip(places[::2], places[1::2], strict=True):
+        east, north, _ = dem.to_enu(latitude, longitude, dem.origin.alt_m)
+        if not dem.contains(east, north):
+            raise InputError(
+                f"network.ground_stations_deg: {latitude:.6f}, {longitude:.6f} lies outside the "
+                "terrain, so the height of its ground is not known. Move it, or widen "
+                "terrain.size_m."
+            )
+        up = float(dem.height(east, north)) + network.ground_antenna_m
+        place = (float(east), float(north), up)
+        stations.append(GroundStation(place, network.ground_p_max_dbm))
+    return tuple(stations)
 
 
 def topology_of(plan: Plan, network: Network, form: str | None = None) -> Topology:

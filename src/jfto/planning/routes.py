@@ -11,7 +11,7 @@ import numpy as np
 from jfto import words
 from jfto.console.progress import SILENT, Progress
 from jfto.planning.flight import Flight, ends_s, expected_s, flight_of, tightened
-from jfto.planning.network import energy_floor_of
+from jfto.planning.network import energy_floor_of, ground_stations
 from jfto.planning.problem import (
     ground_rule,
     home_ground,
@@ -208,7 +208,8 @@ def _as_flown(
     )
     curves = flight.trajectories(problem, routes, scenario.fleet.ids, found.dem.top_height)
     plan = build_plan(routes, terms, flight.name, flight.parameters, curves)
-    return rounded(replace(plan, area=found.dem.area))
+    stations = ground_stations(scenario.network, found.dem)
+    return rounded(replace(plan, area=found.dem.area, ground_stations=stations))
 
 
 _STEADY = {"distance": "", "time": ", flown at constant speed from the first on"}

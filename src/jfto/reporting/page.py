@@ -20,7 +20,16 @@ from jfto.analysis.certificate import FlownException
 from jfto.analysis.comparison import Comparison
 from jfto.analysis.facts import FlightFacts
 from jfto.analysis.motion import flight_spread, spread_text
-from jfto.analysis.paper import HEADINGS, PAPER, active_text, beside_paper, number, ratios_text
+from jfto.analysis.paper import (
+    GROUND_HEADINGS,
+    HEADINGS,
+    PAPER,
+    active_text,
+    beside_paper,
+    ground_cells,
+    number,
+    ratios_text,
+)
 from jfto.reporting.palette import uav_colour
 from jfto.reporting.scene import FLOWN, scene_data
 from jfto_mavlink.preflight.page import Preflight
@@ -128,6 +137,8 @@ def _environment() -> Environment:
         "events_shown": _EVENTS_SHOWN,
         "flown_name": FLOWN,
         "headings": HEADINGS,
+        "ground_headings": GROUND_HEADINGS,
+        "ground_cells": ground_cells,
         "least_margin": Markup("Least margin on a K<sub>min</sub>-th neighbour at P<sub>max</sub>"),
         "paper": PAPER,
         "ratios_text": ratios_text,

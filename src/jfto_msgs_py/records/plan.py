@@ -13,7 +13,7 @@ from jfto_msgs_py.records.battery import Battery
 from jfto_msgs_py.records.certificate import Certificate
 from jfto_msgs_py.records.fields import MAY_LACK, OneOf, Range
 from jfto_msgs_py.records.radio import Radio
-from jfto_msgs_py.records.site import Fence, Polygon, Sortie
+from jfto_msgs_py.records.site import Fence, GroundStation, Polygon, Sortie
 from jfto_msgs_py.records.topology import LITERAL, TOPOLOGY_FORMS
 from jfto_msgs_py.records.way_home import WayHome
 
@@ -156,6 +156,7 @@ class Plan:
     topology: Annotated[str, OneOf(TOPOLOGY_FORMS)] = LITERAL
     area: tuple[Polygon, ...] = ()
     fence: Fence | None = None
+    ground_stations: tuple[GroundStation, ...] = ()
     sortie: Sortie = field(default_factory=Sortie)
     trigger: str = "each"
     mission_items: int = 650

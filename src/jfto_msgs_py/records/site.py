@@ -50,6 +50,14 @@ class Fence:
 
 
 @dataclass(frozen=True)
+class GroundStation:
+    """A fixed radio that pictures are sent to: place of its antenna, and its power."""
+
+    position_m: tuple[float, float, float]
+    p_max_dbm: float
+
+
+@dataclass(frozen=True)
 class Sortie:
     """Which part of the work this is: `number` 1 … `count`, flown one after another."""
 

@@ -27,6 +27,22 @@ class NetworkPart:
         "candidate's own, who may then be heard too.",
         choices=TOPOLOGY_FORMS,
     )
+    ground_stations_deg: tuple[float, ...] = param(
+        (),
+        "Places of ground stations, latitude and longitude in turn. For each algorithm the rate is "
+        "told that all UAVs can send to them at once, over several hops; a station is nobody's "
+        "neighbour.",
+        unit="deg",
+        low=-180.0,
+        high=180.0,
+        later=True,
+    )
+    ground_antenna_m: float = param(
+        2.0, "Height of their antennas above ground.", unit="m", low=0.0, high=200.0, later=True
+    )
+    ground_p_max_dbm: float = param(
+        30.0, "Power of their radios.", unit="dBm", low=-30.0, high=60.0, later=True
+    )
 
 
 @dataclass(frozen=True)

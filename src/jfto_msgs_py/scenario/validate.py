@@ -164,6 +164,7 @@ def _check_together(values: dict[str, Any], given: Layer, problems: list[str]) -
     _check_camera(values, complain)
     _check_photos(values, complain)
     _check_starts(values, complain)
+    _check_stations(values, complain)
     _check_batteries(values, given, complain)
 
 
@@ -213,6 +214,15 @@ def _check_photos(values: dict[str, Any], complain: Any) -> None:
             "trajectory.hold_s",
             f"is {hold_s:g}, but missions keep whole seconds. Set it to {math.ceil(hold_s)}.",
         )
+
+
+def _check_stations(values: dict[str, Any], complain: Any) -> None:
+    name = "network.ground_stations_deg"
+    places = _value(values, name)
+    if len(places) % 2:
+        complain(name, f"has {len(places)} numbers, needs latitude and longitude in turn.")
+    elif any(abs(latitude) > 90 for latitude in places[::2]):
+        complain(name, "has a latitude beyond 90 deg. Give latitude before longitude.")
 
 
 def _check_starts(values: dict[str, Any], complain: Any) -> None:
