@@ -85,7 +85,7 @@ def height_reference(
         return HeightReference(to_metres, own_datum, own_ellipsoid)
     names = {ELLIPSOID: f"ellipsoid of {_horizontal_name(crs)}", SEA_LEVEL: "mean sea level"}
     name = names.get(declared.datum.lower(), f"{declared.datum} (mean sea level)")
-    return HeightReference(to_metres, f"{name}, as declared", ellipsoid)
+    return HeightReference(to_metres, f"{name} (as declared)", ellipsoid)
 
 
 def _need_modern_ellipsoid(crs: CRS, path: Path) -> None:
