@@ -86,7 +86,7 @@ def certificate_of(
         routes,
         PlanTerms(
             waypoints=found.waypoints,
-            uavs=plan_uavs(scenario, problem.starts_m),
+            uavs=plan_uavs(scenario, found, problem.starts_m),
             slot_count=problem.slot_count,
             horizon_s=problem.horizon_s,
             k_min=problem.k_min,
