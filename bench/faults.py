@@ -31,17 +31,17 @@ from jfto_msgs_py.ros.installation import require_ros
 require_ros()
 
 import rclpy  # noqa: E402
-from builtin_interfaces.msg import Time  # noqa: E402
 from rcl_interfaces.msg import Log  # noqa: E402
 from rclpy.executors import SingleThreadedExecutor  # noqa: E402
 from rclpy.serialization import deserialize_message  # noqa: E402
 from rosgraph_msgs.msg import Clock  # noqa: E402
-from std_msgs.msg import Float64MultiArray  # noqa: E402
+from std_msgs.msg import Float64MultiArray, Header  # noqa: E402
 
 from jfto.bag.reader import Bag  # noqa: E402
 from jfto_msgs_py.records.event import Event  # noqa: E402
 from jfto_msgs_py.ros import qos, topics  # noqa: E402
 from jfto_msgs_py.ros.events import decode_event  # noqa: E402
+from jfto_msgs_py.ros.lift_off import decode_lift_off  # noqa: E402
 from jfto_msgs_py.ros.stamps import decode_time  # noqa: E402
 
 LIMIT_S = 900.0
@@ -113,7 +113,7 @@ class Watcher:
         node = self.node
         node.create_subscription(Log, topics.EVENTS, self._hear, qos.events())
         node.create_subscription(Clock, topics.CLOCK, self._tick, qos.clock())
-        node.create_subscription(Time, topics.LIFT_OFF, self._lift_off, qos.latched())
+        node.create_subscription(Header, topics.LIFT_OFF, self._lift_off, qos.latched())
 
     def _hear(self, message: Log) -> None:
         self.events.append(decode_event(message))
@@ -121,8 +121,8 @@ class Watcher:
     def _tick(self, message: Clock) -> None:
         self.now_ns = decode_time(message.clock)
 
-    def _lift_off(self, message: Time) -> None:
-        self.lift_off_ns = decode_time(message)
+    def _lift_off(self, message: Header) -> None:
+        self.lift_off_ns, _ = decode_lift_off(message)
 
     def flown_s(self) -> float:
         """Seconds of the vehicles' time since lift-off, negative before."""
