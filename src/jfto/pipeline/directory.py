@@ -91,7 +91,8 @@ def write_scenario(loaded: LoadedScenario, path: Path) -> str:
     Returns what was written.
     """
     scenario = loaded.scenario
-    terrain, waypoints, area = scenario.terrain, scenario.waypoints, scenario.area
+    terrain, waypoints = scenario.terrain, scenario.waypoints
+    area, fence = scenario.area, scenario.fence
     source, surface = (
         str(loaded.resolve(named).resolve()) if named and names_a_file(named) else named
         for named in (terrain.source, terrain.surface)
@@ -101,9 +102,13 @@ def write_scenario(loaded: LoadedScenario, path: Path) -> str:
         waypoints = dataclasses.replace(
             waypoints, file=str(loaded.resolve(waypoints.file).resolve())
         )
+    if fence.file:
+        fence = dataclasses.replace(fence, file=str(loaded.resolve(fence.file).resolve()))
     if area.file:
         area = dataclasses.replace(area, file=str(loaded.resolve(area.file).resolve()))
-    changed = dataclasses.replace(scenario, terrain=terrain, waypoints=waypoints, area=area)
+    changed = dataclasses.replace(
+        scenario, terrain=terrain, waypoints=waypoints, area=area, fence=fence
+    )
     values = changed.values()
     nested: dict[str, dict[str, Any]] = {}
     for name, value in values.items():

@@ -304,10 +304,8 @@ class Pipeline:
     def _given(self) -> list[Path]:
         """Files that the scenario names."""
         scenario, given = self._loaded.scenario, terrain_files(self._loaded)
-        for name in (scenario.waypoints.file, scenario.area.file):
-            if name:
-                given.append(self._loaded.resolve(name))
-        return given
+        named = (scenario.waypoints.file, scenario.area.file, scenario.fence.file)
+        return [*given, *(self._loaded.resolve(name) for name in named if name)]
 
     @cached_property
     def _dem(self) -> Dem | None:

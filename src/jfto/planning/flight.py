@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -29,6 +30,9 @@ from jfto_world.mission.steps import mission_items
 from jfto_world.motion import TimeModel, time_model_named
 from jfto_world.motion.battery import airborne, drain_of
 from jfto_world.radio import degrees, pairwise_distances
+
+if TYPE_CHECKING:
+    from jfto_world.site.free_space import FreeSpace
 
 # What a rule that was broken is tightened by before the next search, beyond what was missing.
 SPARE_S, SPARE_M = 1.0, 1.0
@@ -120,6 +124,13 @@ def flight_of(scenario: Scenario) -> Flight:
     )
     rules = CurveRules(Clearance(wanted.clearance_m), wanted.hold_s, cap, settings)
     return Flight("bezier", curve, smooth, exact=False, rules=rules, curve=curve)
+
+
+def keeping_out(flight: Flight, free: FreeSpace | None) -> Flight:
+    """The same flight, its curves outside of no-fly zones."""
+    if flight.rules is None or free is None:
+        return flight
+    return replace(flight, rules=replace(flight.rules, keep_out=free.blocked))
 
 
 def expected_s(problem: RoutingProblem, routes: Routes) -> Array:

@@ -10,9 +10,10 @@ import numpy as np
 
 from jfto import words
 from jfto.console.progress import SILENT, Progress
-from jfto.planning.flight import Flight, ends_s, expected_s, flight_of, tightened
+from jfto.planning.flight import Flight, ends_s, expected_s, flight_of, keeping_out, tightened
 from jfto.planning.network import energy_floor_of, ground_stations
 from jfto.planning.problem import (
+    free_space,
     ground_rule,
     home_ground,
     home_rules,
@@ -38,6 +39,7 @@ from jfto_planner.routing import (
     calibrated,
     certify,
     search,
+    with_passed,
 )
 from jfto_planner.routing.assess import Routes
 from jfto_planner.routing.certificate import GroundRule
@@ -94,7 +96,7 @@ def plan_routes(
         progress.warn(note)
     fleet, trigger = scenario.fleet, scenario.coverage.trigger
     require_missions_to_hold(found.waypoints, fleet.count, fleet.mission_items, trigger)
-    flight = flight_of(scenario)
+    flight = keeping_out(flight_of(scenario), free_space(scenario, found))
     if flight.estimated:
         # A flight in steps may come out a step later for a point a nanometre off.
         found = replace(found, waypoints=tuple(map(rounded_waypoint, found.waypoints)))
@@ -207,6 +209,8 @@ def _as_flown(
         mission_items=scenario.fleet.mission_items,
     )
     curves = flight.trajectories(problem, routes, scenario.fleet.ids, found.dem.top_height)
+    waypoints, routes = with_passed(found.waypoints, problem, routes)
+    terms = replace(terms, waypoints=waypoints, fence=found.fence)
     plan = build_plan(routes, terms, flight.name, flight.parameters, curves)
     stations = ground_stations(scenario.network, found.dem)
     return rounded(replace(plan, area=found.dem.area, ground_stations=stations))
@@ -270,13 +274,17 @@ def _warm_routes(plan: Plan, found: Survey, problem: RoutingProblem) -> tuple[tu
             "Start from a plan for the same fleet."
         )
     index = {waypoint.id: place for place, waypoint in enumerate(found.waypoints)}
-    unknown = {waypoint.id for waypoint in plan.waypoints} ^ set(index)
+    passed = {waypoint.id for waypoint in plan.waypoints if not waypoint.photo} - set(index)
+    unknown = {waypoint.id for waypoint in plan.waypoints} ^ set(index) ^ passed
     if unknown:
         raise PlanError(
             f"The warm start is for other waypoints: {len(unknown)} ids differ. "
             "Start from a plan for the same scenario."
         )
-    return tuple(tuple(index[number] for number in route.waypoint_ids) for route in plan.routes)
+    return tuple(
+        tuple(index[number] for number in route.waypoint_ids if number not in passed)
+        for route in plan.routes
+    )
 
 
 def _proof(planned: Planned) -> str:

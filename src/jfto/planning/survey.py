@@ -8,10 +8,12 @@ import numpy as np
 
 from jfto.console.progress import SILENT, Progress
 from jfto.planning.area import area_of
+from jfto.planning.fence import corner_allowance_m, fence_of
 from jfto.planning.scenario_file import LoadedScenario
 from jfto.planning.terrain import load_ground
-from jfto_msgs_py.errors import WaypointError
+from jfto_msgs_py.errors import InfeasibleError, WaypointError
 from jfto_msgs_py.records.plan import Waypoint
+from jfto_msgs_py.records.site import Fence
 from jfto_msgs_py.scenario.survey import CameraPart, CoveragePart
 from jfto_msgs_py.types import Array
 from jfto_planner.coverage import (
@@ -33,7 +35,8 @@ class Survey:
     """Ground and waypoints; `coverage` is None where the waypoints were drawn at random.
 
     `notes` say in a line each what a file of waypoints holds that is not used. `starts_m` (S, 2)
-    are starting points in the place of the scenario's, ENU, where a sortie has its own.
+    are starting points in the place of the scenario's, ENU, where a sortie has its own. `fence` is
+    where may be flown, None where nobody says.
     """
 
     dem: Dem
@@ -41,10 +44,14 @@ class Survey:
     coverage: Coverage | None
     notes: tuple[str, ...] = ()
     starts_m: Array | None = None
+    fence: Fence | None = None
 
 
 def survey(loaded: LoadedScenario, progress: Progress = SILENT) -> Survey:
-    """Waypoints of a scenario over its ground; raises InputError or InfeasibleError."""
+    """Waypoints of a scenario over its ground; raises InputError or InfeasibleError.
+
+    Those in no-fly zones, or too near to one, are left out, unless they come from a file.
+    """
     progress.begin("coverage", "reading terrain")
     dem = load_ground(loaded)
     for note in dem.notes:
@@ -52,6 +59,14 @@ def survey(loaded: LoadedScenario, progress: Progress = SILENT) -> Survey:
     area = area_of(loaded)
     for note in area.notes if area else ():
         progress.warn(f"area: {note}")
+    fence, notes = fence_of(loaded, dem)
+    for note in notes:
+        progress.warn(f"fence: {note}")
+    found = _waypoints(loaded, dem, progress)
+    return found if fence is None else within(replace(found, fence=fence), loaded, progress)
+
+
+def _waypoints(loaded: LoadedScenario, dem: Dem, progress: Progress) -> Survey:
     wanted = loaded.scenario.waypoints
     if wanted.source == "coverage":
         progress.begin("coverage", "placing cameras, casting rays")
@@ -84,6 +99,43 @@ def survey(loaded: LoadedScenario, progress: Progress = SILENT) -> Survey:
     origin = f"{wanted.source} distribution, seed {wanted.seed}"
     progress.end("coverage", f"{len(waypoints)} waypoints", origin)
     return Survey(dem, waypoints, None)
+
+
+def within(found: Survey, loaded: LoadedScenario, progress: Progress = SILENT) -> Survey:
+    """The survey without the waypoints that its fence does not allow, and what is seen then.
+
+    Raises WaypointError where they come from a file, InfeasibleError where none is left.
+    """
+    assert found.fence is not None
+    # Loads shapely, which only plans with a fence need.
+    from jfto_world.site.free_space import FreeSpace
+
+    free = FreeSpace(found.fence, corner_allowance_m(loaded.scenario.trajectory))
+    zones = free.inside(np.array([waypoint.position_m for waypoint in found.waypoints]))
+    kept = tuple(w for w, zone in zip(found.waypoints, zones, strict=True) if not zone)
+    if len(kept) == len(found.waypoints):
+        return found
+    inside = [(w.id, zone) for w, zone in zip(found.waypoints, zones, strict=True) if zone]
+    names = ", ".join(f"waypoint {number} in {zone}" for number, zone in inside[:5])
+    names += f" and {len(inside) - 5} more" if len(inside) > 5 else ""
+    if loaded.scenario.waypoints.source == "file":
+        raise WaypointError(
+            f"{loaded.path}: waypoints.file: {names} must not be flown to (fence, with "
+            f"fence.margin_m {found.fence.margin_m:g}). Take them out, or change the fence."
+        )
+    if not kept:
+        raise InfeasibleError(
+            f"All {len(inside)} waypoints lie in no-fly zones or outside of fence.keep_in: "
+            f"{names}.",
+            cures=("a smaller zone or fence.margin_m", "another area"),
+        )
+    progress.warn(f"fence: {len(inside)} of {len(found.waypoints)} waypoints are left out: {names}")
+    if found.coverage is None:
+        return replace(found, waypoints=kept)
+    seen = judged(replace(found, waypoints=kept, coverage=None), loaded, progress)
+    assert seen.coverage is not None
+    progress.end("coverage", f"{len(kept)} waypoints", _proof(seen.coverage))
+    return seen
 
 
 def judged(found: Survey, loaded: LoadedScenario, progress: Progress = SILENT) -> Survey:

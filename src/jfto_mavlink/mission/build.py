@@ -19,6 +19,7 @@ from jfto_mavlink.mission.limits import (
     return_height_m,
 )
 from jfto_mavlink.mission.photo_items import PhotoItems
+from jfto_mavlink.mission.plan_fence import FIGURES_ONLY, left_out, plan_fence
 from jfto_mavlink.mission.settings import MissionSettings, check_as_planned
 from jfto_mavlink.mission.stored import mission_hash
 from jfto_mavlink.mission.way_home import home_items, landing_parameters, return_heights_m
@@ -45,6 +46,7 @@ class VehicleMission:
     `waypoints_deg_m` holds latitude, longitude and height above home of each route waypoint,
     `pad_m` the pad (ENU), `speeds_mps` the plan's level, climb and descent, `ends_s` when its way
     home begins and `landed_s` when it is planned to be down, 0 if it is not, s from lift-off.
+    `left_out` names zones of the plan that the vehicle's fence is without, as they have heights.
     """
 
     uav: str
@@ -58,6 +60,7 @@ class VehicleMission:
     speeds_mps: tuple[float, float, float] = (0.0, 0.0, 0.0)
     ends_s: float = 0.0
     landed_s: float = 0.0
+    left_out: tuple[str, ...] = ()
 
     @property
     def digest(self) -> str:
@@ -77,10 +80,12 @@ def build_missions(
 
     With `ground` (ENU heights of the terrain) legs must clear it by `limits.clearance_min_m`, which
     replaces the least height above home. The way home is the plan's, as waypoints; where it has
-    none, or nobody is to wait for the others, it is RTL, high enough over the ground.
+    none, or nobody is to wait for the others, it is RTL, high enough over the ground. Without
+    `fence` vehicles get the plan's own, where it has one, switched on.
     """
     check_as_planned(plan, settings)
-    shared = Mission(fence=fence_items(fence or Fence()), rally=rally_items(rally))
+    own = plan_fence(plan) if fence is None else Fence()
+    shared = Mission(fence=fence_items(fence or own), rally=rally_items(rally))
     by_id = {waypoint.id: waypoint for waypoint in plan.waypoints}
     missions = []
     returns = () if ground is None else return_heights_m(plan, ground, settings.limits)
@@ -90,12 +95,14 @@ def build_missions(
             raise MissionError(303, f"{uav.id}: waypoint {unknown[0]} is not in the plan.")
         waypoints = [by_id[i] for i in route.waypoint_ids]
         parameters = _parameters(uav, plan, settings, fence_heights_m)
+        if own != Fence():
+            parameters += (("FENCE_TYPE", FIGURES_ONLY), ("FENCE_ENABLE", 1.0))
         if returns:
             parameters += (("RTL_ALT", 100.0 * returns[index]),)
         alike = replace(shared, parameters=parameters)
         built = _build_one(index, waypoints, plan, settings, ground, alike)
         landed_s = plan.homes[index].landed_s if plan.homes else 0.0
-        missions.append(replace(built, landed_s=landed_s))
+        missions.append(replace(built, landed_s=landed_s, left_out=left_out(plan)))
     return tuple(missions)
 
 

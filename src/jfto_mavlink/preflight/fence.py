@@ -30,6 +30,10 @@ def fence(case: Case) -> Iterator[Finding]:
         cure = "Look at the link, then check again"
         yield Finding("fence", RED, case.aboard.unread, f"{cure}.")
         return
+    if zones := ", ".join(case.mission.left_out):
+        yield Finding(
+            "fence", GREEN, f"is without {zones}: zones with heights are only planned for"
+        )
     if not case.value("FENCE_ENABLE"):
         yield Finding("fence", GREEN, "its fence is off")
         return

@@ -16,6 +16,8 @@ KINDS = (
     "connected",  # the fleet splits into several components at P_max (P0_fullC)
     "duration",  # a UAV reaches its last waypoint after T_a,max (P1tmax)
     "clearance",  # a UAV is too near the ground
+    "keep_out",  # a UAV is in a no-fly zone, or too near to one
+    "keep_in",  # a UAV is outside of where it must stay, or too near to its edge
     "home",  # the way home is too near another UAV, or contradicts itself or the route
     "endurance",  # a UAV stands at its pad later than its battery lets it fly
     "battery",  # a flight takes more of a UAV's battery than it may (fleet.battery_wh)

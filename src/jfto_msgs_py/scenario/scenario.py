@@ -10,6 +10,7 @@ from typing import Any
 
 from jfto_msgs_py.records.fields import Key, keys_of
 from jfto_msgs_py.records.radio import Radio
+from jfto_msgs_py.scenario.fence import FencePart
 from jfto_msgs_py.scenario.fleet import FleetPart, StartsPart
 from jfto_msgs_py.scenario.mission import EvaluationPart, MissionPart, NetworkPart, SearchPart
 from jfto_msgs_py.scenario.simulation import SimulationPart
@@ -30,6 +31,7 @@ class Scenario:
 
     terrain: TerrainPart = field(default_factory=TerrainPart)
     area: AreaPart = field(default_factory=AreaPart)
+    fence: FencePart = field(default_factory=FencePart)
     waypoints: WaypointsPart = field(default_factory=WaypointsPart)
     camera: CameraPart = field(default_factory=CameraPart)
     coverage: CoveragePart = field(default_factory=CoveragePart)
@@ -65,6 +67,7 @@ class Scenario:
 PARTS: dict[str, type] = {
     "terrain": TerrainPart,
     "area": AreaPart,
+    "fence": FencePart,
     "waypoints": WaypointsPart,
     "camera": CameraPart,
     "coverage": CoveragePart,

@@ -10,6 +10,7 @@ from typing import Any
 from jfto_msgs_py.errors import ScenarioError
 from jfto_msgs_py.records.fields import Key
 from jfto_msgs_py.scenario.scenario import KEYS, PARTS, RADIO_SHORTHANDS, Scenario
+from jfto_msgs_py.scenario.shape_text import ShapeTextError, read_shape
 from jfto_msgs_py.scenario.value import Given, check_value, nearest
 
 Layer = Mapping[str, Given]
@@ -161,6 +162,7 @@ def _check_together(values: dict[str, Any], given: Layer, problems: list[str]) -
             f"has latitude {center[0]:g}, outside -90…90 deg. Give latitude before longitude.",
         )
     _resolve_area(values, complain)
+    _check_fence(values, complain)
     _check_camera(values, complain)
     _check_photos(values, complain)
     _check_starts(values, complain)
@@ -193,6 +195,20 @@ def _resolve_area(values: dict[str, Any], complain: Any) -> None:
             values["terrain.size_m"] = _RECTANGLE_M
     elif _value(values, "area.layer") and polygon:
         complain("area.layer", "needs area.file. Remove it.")
+
+
+def _check_fence(values: dict[str, Any], complain: Any) -> None:
+    for name in ("fence.keep_out", "fence.keep_in"):
+        for index, text in enumerate(_value(values, name)):
+            try:
+                shape = read_shape(text)
+            except ShapeTextError as error:
+                complain(name, f"[{index}] {error}")
+                continue
+            if name == "fence.keep_in" and (shape.bottom_m, shape.top_m) != (None, None):
+                complain(name, f"[{index}] has a height, but what is to be kept in has none.")
+    if _value(values, "fence.layer") and not _value(values, "fence.file"):
+        complain("fence.layer", "needs fence.file. Give it, or remove the layer.")
 
 
 def _check_camera(values: dict[str, Any], complain: Any) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +17,10 @@ from jfto_planner.home.departures import DepartureSearch
 from jfto_planner.home.flown_way import FlownWay, fly_way
 from jfto_planner.home.ways import lines_home
 
+if TYPE_CHECKING:
+    # Loads shapely, which only plans with a fence need.
+    from jfto_world.site.free_space import FreeSpace
+
 # UAVs that are so early or late against one another still keep apart.
 APART_S = 2.0
 # Heights to choose from lie so much farther apart than UAVs must be; small fleets have more.
@@ -26,10 +31,14 @@ STEP_S = 0.5
 
 @dataclass(frozen=True)
 class HomeRules:
-    """`height(x_m, y_m)` of the ground in the plan's frame, and the least height above it."""
+    """`height(x_m, y_m)` of the ground in the plan's frame, and the least height above it.
+
+    `free` is where may be flown, None for everywhere.
+    """
 
     height: GroundHeight
     clearance_m: float
+    free: FreeSpace | None = None
 
 
 def with_ways_home(plan: Plan, rules: HomeRules) -> Plan:
@@ -64,6 +73,7 @@ def with_ways_home(plan: Plan, rules: HomeRules) -> Plan:
                 rules.clearance_m,
                 plan.d_min_m + LAYER_SPARE_M,
                 layers,
+                _round(rules.free, start, np.array(uav.start_m)),
             )
         )
         for uav, start in zip(plan.uavs, starts, strict=True)
@@ -75,6 +85,14 @@ def with_ways_home(plan: Plan, rules: HomeRules) -> Plan:
         for a, way in enumerate(ways)
     )
     return replace(plan, homes=homes)
+
+
+def _round(free: FreeSpace | None, start_m: Array, pad_m: Array) -> Array | None:
+    """Where the way home passes in plan view (P, 2), round all zones that it is not over."""
+    if free is None:
+        return None
+    ways = free.ways(np.stack([start_m, pad_m]), np.array([[0, 1]]), over=True)
+    return ways.vias
 
 
 def _holds_at(plan: Plan, a: int) -> Array:

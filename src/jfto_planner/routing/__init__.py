@@ -1,6 +1,6 @@
 """The routing problem (P1), its search and the certificate of a plan."""
 
-from jfto_planner.routing.build_plan import PlanTerms, build_plan, plan_of
+from jfto_planner.routing.build_plan import PlanTerms, build_plan, plan_of, with_passed
 from jfto_planner.routing.certificate import certify
 from jfto_planner.routing.estimated import Calibrated, Estimated, calibrated
 from jfto_planner.routing.problem import RoutingProblem
@@ -22,4 +22,5 @@ __all__ = [
     "plan_of",
     "search",
     "suggest_cures",
+    "with_passed",
 ]

@@ -82,8 +82,8 @@ class Assessment:
 
 
 def route_points(problem: RoutingProblem, uav: int, route: tuple[int, ...]) -> Array:
-    """Pad and waypoints of one route (len + 1, 3)."""
-    return np.concatenate([problem.starts_m[uav : uav + 1], problem.waypoints_m[list(route)]])
+    """Pad, waypoints and what detours pass on one route, (K, 3)."""
+    return problem.line_m(uav, route)
 
 
 def fleet_positions(problem: RoutingProblem, routes: Routes, times_s: Array) -> Array:
@@ -135,8 +135,8 @@ def assess(problem: RoutingProblem, routes: Routes) -> Assessment:
 def _low_legs(problem: RoutingProblem, routes: Routes) -> int:
     if problem.closed_legs is None:
         return 0
-    nodes = [[problem.waypoint_count + a, *route] for a, route in enumerate(routes)]
-    return int(sum(problem.closed_legs[each[:-1], each[1:]].sum() for each in nodes))
+    legs = [leg for a, route in enumerate(routes) for leg in problem.legs_of(a, route)]
+    return sum(int(problem.closed_legs[leg]) for leg in legs)
 
 
 def _overfull(problem: RoutingProblem, routes: Routes) -> int:

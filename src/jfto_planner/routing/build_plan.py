@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -148,6 +148,44 @@ def _rows(
         uav.speed_mps,
         lambda rows: along(model, rows).arrivals(line, limits)[1:],
     )
+
+
+def with_passed(
+    waypoints: tuple[Waypoint, ...], problem: RoutingProblem, routes: Sequence[Sequence[int]]
+) -> tuple[tuple[Waypoint, ...], tuple[tuple[int, ...], ...]]:
+    """Waypoints and routes with the points that detours pass, one waypoint for each passage.
+
+    Parameters
+    ----------
+    waypoints
+        Those of the problem, in its order.
+    problem
+        Whose detours are flown.
+    routes
+        Indices of waypoints, one sequence per UAV.
+
+    Returns
+    -------
+    tuple
+        The waypoints, those without photo behind the others, looking as the next with one does;
+        and the routes by their indices.
+    """
+    detours = problem.detours
+    if detours is None:
+        return waypoints, tuple(map(tuple, routes))
+    found, longer = list(waypoints), []
+    number = max(waypoint.id for waypoint in waypoints)
+    for uav, route in enumerate(routes):
+        stops: list[int] = []
+        for here, there in problem.legs_of(uav, route):
+            for point in detours.between(here, there):
+                number += 1
+                goal = waypoints[there]
+                found.append(replace(goal, id=number, position_m=_vector(point), photo=False))
+                stops.append(len(found) - 1)
+            stops.append(there)
+        longer.append(tuple(stops))
+    return tuple(found), tuple(longer)
 
 
 def _on_curve(trajectory: Trajectory) -> _Flight:

@@ -31,6 +31,10 @@ class Calibrated:
         """Time of the direct leg between each ordered pair of points, shape (M, M)."""
         return self._factor(limits) * self.model.leg_matrix(points_m, limits)
 
+    def chain_times(self, points_m: Array, limits: MotionLimits) -> Array:
+        """Estimated time of each leg from one point to the next, shape (M - 1,)."""
+        return self._factor(limits) * self.model.chain_times(points_m, limits)
+
     def overhead_s(self, limits: MotionLimits) -> float:
         """Time of a whole route beyond the sum of its legs, s."""
         return self._factor(limits) * self.model.overhead_s(limits)
@@ -96,6 +100,10 @@ class Estimated:
         """Time of the direct leg between each ordered pair of points, shape (M, M)."""
         return self.model.leg_matrix(points_m, limits)
 
+    def chain_times(self, points_m: Array, limits: MotionLimits) -> Array:
+        """Estimated time of each leg from one point to the next, shape (M - 1,)."""
+        return self.model.chain_times(points_m, limits)
+
     def overhead_s(self, limits: MotionLimits) -> float:
         """Time of a whole route beyond the sum of its legs, s."""
         return self.model.overhead_s(limits)
@@ -104,7 +112,7 @@ class Estimated:
         """Arrival time at each point of a route, shape (M,), the first being 0."""
         if len(route_m) < 2:
             return np.zeros(len(route_m))
-        legs = np.diagonal(self.leg_matrix(route_m, limits), offset=1)
+        legs = self.chain_times(route_m, limits)
         return np.concatenate([[0.0], self.overhead_s(limits) + np.cumsum(legs)])
 
     def positions(self, route_m: Array, limits: MotionLimits, times_s: Array) -> Array:

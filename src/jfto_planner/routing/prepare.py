@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from jfto_msgs_py.types import Array
+from jfto_planner.routing.detours import way_times
 from jfto_planner.routing.kernel.prng import exponential_table
 from jfto_planner.routing.kernel.tables import Tables
 from jfto_planner.routing.problem import RoutingProblem
@@ -27,13 +28,20 @@ CLOSED_M = 20_000.0
 
 def make_tables(problem: RoutingProblem) -> Tables:
     """Build the search's tables; `reach` and `t_max` are its own, to be tightened as it learns."""
-    points = np.concatenate([problem.waypoints_m, problem.starts_m])
+    points = problem.nodes_m
     difference = points[:, None, :] - points[None, :, :]
     dist = np.round(np.sqrt((difference**2).sum(axis=-1)), DECIMALS)
+    detours = problem.detours
+    if detours is not None:
+        dist = _put(dist, np.round(detours.lengths_m, DECIMALS))
     cost = dist if problem.closed_legs is None else dist + CLOSED_M * problem.closed_legs
     classes = sorted(set(problem.limits), key=lambda k: (k.speed_mps, k.climb_mps, k.descent_mps))
     leg = np.stack([problem.time_model.leg_matrix(points, limits) for limits in classes])
-    for layer, limits in zip(leg, classes, strict=True):
+    share = np.zeros((len(classes), 0 if detours is None else len(detours.points_m)))
+    for row, (layer, limits) in enumerate(zip(leg, classes, strict=True)):
+        if detours is not None:
+            times, share[row] = way_times(detours, problem.time_model, limits)  # type: ignore[arg-type]
+            layer[:] = _put(layer, times)
         # What a route takes beyond its legs is spent on the first of them, which leaves a pad.
         layer[problem.waypoint_count :] += problem.time_model.overhead_s(limits)
     latest = problem.latest_arrival_s
@@ -61,6 +69,10 @@ def make_tables(problem: RoutingProblem) -> Tables:
         hold_s=0.0 if problem.horizon_s is None else float(problem.horizon_s),
         power_exponent=float(problem.path_loss_exponent),
         exponential=exponential_table(QUANTILES),
+        via=np.zeros((0, 0), dtype=np.int32) if detours is None else detours.index,
+        via_first=np.zeros(1, dtype=np.int64) if detours is None else detours.first,
+        via_xyz=np.zeros((0, 3)) if detours is None else detours.points_m,
+        via_share=share,
     )
 
 
@@ -68,6 +80,11 @@ def _most(problem: RoutingProblem) -> Array:
     if problem.most_waypoints is None:
         return np.full(problem.uav_count, np.inf)
     return problem.most_waypoints
+
+
+def _put(values: Array, others: Array) -> Array:
+    """Values with those of `others` that are a number in their place."""
+    return np.where(np.isnan(others), values, others)
 
 
 def _grid(problem: RoutingProblem) -> tuple[int, float]:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.types import Array, Flags
 from jfto_msgs_py.whole_numbers import whole_number
+from jfto_planner.routing.detours import Detours
 from jfto_world.motion import ConstantSpeed, MotionLimits, TimeModel
 
 EnergyFloor = Callable[[Array, float], Array]
@@ -65,6 +67,8 @@ class RoutingProblem:
         How many waypoints a route may have, (A,) or one for all; None for any.
     closed_legs
         Legs that must not be flown, symmetric (W + A, W + A), waypoints before pads, or None.
+    detours
+        Legs that go round no-fly zones, of the same nodes; None where all are straight.
 
     Raises
     ------
@@ -87,6 +91,7 @@ class RoutingProblem:
     energy_floor: EnergyFloor | None = None
     path_loss_exponent: float = 2.0
     closed_legs: Flags | None = None
+    detours: Detours | None = None
     most_waypoints: Array | None = None
 
     def __post_init__(self) -> None:
@@ -117,6 +122,11 @@ class RoutingProblem:
         return len(self.waypoints_m)
 
     @property
+    def nodes_m(self) -> Array:
+        """Waypoints, then pads (W + A, 3)."""
+        return np.concatenate([self.waypoints_m, self.starts_m])
+
+    @property
     def latest_arrival_s(self) -> Array:
         """Latest permitted arrival (A,): T_a,max, or the given horizon where that is shorter."""
         return self.t_max_s if self.horizon_s is None else np.minimum(self.t_max_s, self.horizon_s)
@@ -125,6 +135,20 @@ class RoutingProblem:
     def pair_reach_m(self) -> Array:
         """Greatest link distance of each pair (A, A), the lesser of both ranges."""
         return np.minimum(self.reach_m[:, None], self.reach_m[None, :])
+
+    def line_m(self, uav: int, route: Sequence[int]) -> Array:
+        """Pad, waypoints and what detours pass (K, 3) of a route, in order."""
+        nodes = self.nodes_m[[self.waypoint_count + uav, *route]]
+        if self.detours is None:
+            return nodes
+        pieces = [nodes[:1]]
+        for k, (here, there) in enumerate(self.legs_of(uav, route), start=1):
+            pieces += [self.detours.between(here, there), nodes[k : k + 1]]
+        return np.concatenate(pieces)
+
+    def legs_of(self, uav: int, route: Sequence[int]) -> list[tuple[int, int]]:
+        """Legs of a route as pairs of nodes."""
+        return list(pairwise([self.waypoint_count + uav, *route]))
 
     def _check_scalars(self) -> None:
         object.__setattr__(self, "k_min", whole_number("k_min", self.k_min))

@@ -12,7 +12,7 @@ from jfto_msgs_py.types import Array, GroundHeight
 from jfto_planner.smoothing.limits import CurveLimits
 from jfto_planner.smoothing.separation import NeighbourCheck, separate
 from jfto_planner.smoothing.smooth import RouteRequest, SmoothingSettings, smooth_route
-from jfto_planner.smoothing.terrain import Clearance, smooth_above
+from jfto_planner.smoothing.terrain import Clearance, KeepOut, smooth_above
 from jfto_planner.smoothing.trajectory import Trajectory
 
 
@@ -20,13 +20,15 @@ from jfto_planner.smoothing.trajectory import Trajectory
 class CurveRules:
     """What curves must keep to besides each vehicle's limits.
 
-    `hold_s` > 0 stops at every waypoint, `cap_mps` bounds the speed there.
+    `hold_s` > 0 stops at every waypoint, `cap_mps` bounds the speed there. `keep_out` says which of
+    places (K, 3) must not be flown through; straight legs do not.
     """
 
     clearance: Clearance
     hold_s: float = 0.0
     cap_mps: float = np.inf
     settings: SmoothingSettings = field(default_factory=SmoothingSettings)
+    keep_out: KeepOut | None = None
 
 
 def smooth_fleet(
@@ -75,7 +77,9 @@ def smooth_fleet(
             line, limits[index], hold_s=hold, cap_mps=np.full(len(line), rules.cap_mps)
         )
         try:
-            return smooth_above(request, ground_height, rules.clearance, rules.settings)
+            return smooth_above(
+                request, ground_height, rules.clearance, rules.settings, rules.keep_out
+            )
         except InfeasibleError as error:
             raise InfeasibleError(f"{names[index]}: {error}", cures=error.cures) from None
 

@@ -1,7 +1,8 @@
-"""Height above ground along the whole curve, kept by via points."""
+"""Height above ground along the whole curve, kept by via points, and zones by straight legs."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,6 +11,9 @@ from jfto_msgs_py.errors import InfeasibleError, InputError
 from jfto_msgs_py.types import Array, Flags, GroundHeight
 from jfto_planner.smoothing.smooth import RouteRequest, SmoothingSettings, checked, smooth_route
 from jfto_planner.smoothing.trajectory import Trajectory
+
+# Which of places (K, 3) must not be flown through.
+KeepOut = Callable[[Array], Flags]
 
 _ROUNDS = 15
 _SPARE_M = 0.5
@@ -45,11 +49,14 @@ def smooth_above(
     ground_height: GroundHeight,
     clearance: Clearance,
     settings: SmoothingSettings | None = None,
+    keep_out: KeepOut | None = None,
 ) -> Trajectory:
     """Least-time trajectory that stays `clearance` above the ground between its ends.
 
     An end that is lower (a pad) gets a point straight above it, where the vehicle stops: the climb
     and the landing are vertical. Between points, vias are added where the curve would be too low.
+    Where it would enter what is to be kept out of, it stops at both ends of that leg, which makes
+    the leg straight.
 
     Parameters
     ----------
@@ -61,6 +68,8 @@ def smooth_above(
         Least height above it.
     settings
         How well the curve is made.
+    keep_out
+        Which places must not be flown through; straight legs between points do not.
 
     Returns
     -------
@@ -77,8 +86,12 @@ def smooth_above(
     for _ in range(_ROUNDS):
         trajectory = smooth_route(draft.request, settings)
         vias = _too_low(trajectory, draft, ground_height, clearance, spare)
-        if not vias:
+        legs = set() if keep_out is None else _entering(trajectory, draft, keep_out, clearance)
+        if not vias and not legs:
             return replace(trajectory, waypoint_s=trajectory.waypoint_s[draft.asked])
+        stop = np.array(draft.request.stop)
+        stop[[end for leg in legs for end in (leg, leg + 1)]] = True
+        draft = replace(draft, request=replace(draft.request, stop=stop))
         draft = _with_vias(draft, vias)
         spare *= 1.5
     raise InfeasibleError(
@@ -158,6 +171,18 @@ def _too_low(
         via[2] = bottom[worst] + spare
         found[int(leg)] = via
     return found
+
+
+def _entering(
+    trajectory: Trajectory, draft: _Draft, keep_out: KeepOut, clearance: Clearance
+) -> set[int]:
+    """Legs on which the curve enters what is to be kept out of, and is not yet straight."""
+    passed, stop = trajectory.waypoint_s, np.array(draft.request.stop)
+    stop[[0, -1]] = True
+    times = _times(trajectory, clearance.spacing_m)
+    times = times[keep_out(trajectory.positions(times))]
+    legs = np.clip(np.searchsorted(passed, times, side="right") - 1, 0, len(passed) - 2)
+    return {int(leg) for leg in np.unique(legs) if not (stop[leg] and stop[leg + 1])}
 
 
 def _with_vias(draft: _Draft, vias: dict[int, Array]) -> _Draft:

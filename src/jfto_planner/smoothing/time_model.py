@@ -37,7 +37,13 @@ class SmoothFlight:
     def leg_matrix(self, points_m: Array, limits: MotionLimits) -> Array:
         """Estimated time of the leg between each ordered pair of points, shape (M, M)."""
         points = np.asarray(points_m, dtype=np.float64)
-        step = points[None, :, :] - points[:, None, :]
+        return self._leg_time(points[None, :, :] - points[:, None, :], limits)
+
+    def chain_times(self, points_m: Array, limits: MotionLimits) -> Array:
+        """Estimated time of each leg from one point to the next, shape (M - 1,)."""
+        return self._leg_time(np.diff(np.asarray(points_m, dtype=np.float64), axis=0), limits)
+
+    def _leg_time(self, step: Array, limits: MotionLimits) -> Array:
         size = np.linalg.norm(step, axis=-1)
         curve = self.curve_limits(limits)
         level = np.hypot(step[..., 0], step[..., 1]) / curve.speed_mps

@@ -28,6 +28,10 @@ class AlongLines:
         """Time of the direct leg between each ordered pair of points, shape (M, M)."""
         return self.model.leg_matrix(points_m, limits)
 
+    def chain_times(self, points_m: Array, limits: MotionLimits) -> Array:
+        """Estimated time of each leg from one point to the next, shape (M - 1,)."""
+        return self.model.chain_times(points_m, limits)
+
     def overhead_s(self, limits: MotionLimits) -> float:
         """Time of a whole route beyond the sum of its `leg_matrix` entries, s."""
         return self.model.overhead_s(limits)

@@ -37,6 +37,9 @@ class TimeModel(Protocol):
         An estimate that ignores what comes before and after a leg: searches use it.
         """
 
+    def chain_times(self, points_m: Array, limits: MotionLimits) -> Array:
+        """Time of each leg from one point to the next, shape (M - 1,), as `leg_matrix` has it."""
+
     def overhead_s(self, limits: MotionLimits) -> float:
         """Time of a whole route beyond the sum of its `leg_matrix` entries, s."""
 
@@ -53,6 +56,10 @@ class ConstantSpeed:
     def leg_matrix(self, points_m: Array, limits: MotionLimits) -> Array:
         """Time of the direct leg between each ordered pair of points, shape (M, M)."""
         return _leg_time(points_m[None, :, :] - points_m[:, None, :], limits)
+
+    def chain_times(self, points_m: Array, limits: MotionLimits) -> Array:
+        """Time of each leg from one point to the next, shape (M - 1,)."""
+        return _leg_time(np.diff(points_m, axis=0), limits)
 
     def overhead_s(self, limits: MotionLimits) -> float:  # noqa: ARG002  one for all models
         """Return 0: legs are all there is."""

@@ -27,6 +27,7 @@ from jfto_planner.routing.certificate.home import (
     home_times_s,
 )
 from jfto_planner.routing.certificate.instants import Instants, instants_of
+from jfto_planner.routing.certificate.keep_out import check_keep_out
 from jfto_planner.routing.certificate.mission_size import check_lines, check_mission_size
 from jfto_planner.routing.certificate.routes import Flown, check_routes, fly
 from jfto_world.radio import make_channel
@@ -86,7 +87,7 @@ def certify(
     close, nearest_m = check_between(plan, flown.positions_m)
     violations += close
     lost, home = check_home(plan, home_ground)
-    violations += lost + check_battery(plan)
+    violations += lost + check_battery(plan) + check_keep_out(plan)
     margin, margin_uav, margin_slot = fine.worst_margin()
     return Certificate(
         clean=not violations,

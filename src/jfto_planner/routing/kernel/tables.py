@@ -51,6 +51,10 @@ class Tables(KernelStruct):
     hold_s: float
     power_exponent: float
     exponential: Array
+    via: NDArray[np.int32]
+    via_first: Ints
+    via_xyz: Array
+    via_share: Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -292,14 +292,26 @@ def fill_leg_times(points: Array, limits: Array, stops: bool, room: Array, out: 
     With `stops` rest to rest; without, less the overlap of a corner of 105° between equal legs at
     each end. `room` (2, COLUMNS) is room to work in.
     """
-    leg, turned = room[0], room[1]
     for i in range(len(points)):
         for j in range(len(points)):
-            _fill_between(leg, points, i, j, limits)
-            out[i, j] = leg[DURATION]
-            if not stops and i != j:
-                for k in range(COLUMNS):
-                    turned[k] = leg[k]
-                turned[UX] = _TYPICAL_COS * leg[UX] - _TYPICAL_SIN * leg[UY]
-                turned[UY] = _TYPICAL_SIN * leg[UX] + _TYPICAL_COS * leg[UY]
-                out[i, j] -= 2.0 * half_overlap_s(leg, turned, limits)
+            out[i, j] = _leg_time(points, i, j, limits, stops, room)
+
+
+@kernel
+def fill_chain_times(points: Array, limits: Array, stops: bool, room: Array, out: Array) -> None:
+    """The same from each point to the next, into `out` (M - 1,)."""
+    for i in range(len(out)):
+        out[i] = _leg_time(points, i, i + 1, limits, stops, room)
+
+
+@inner
+def _leg_time(points: Array, i: int, j: int, limits: Array, stops: bool, room: Array) -> float:
+    leg, turned = room[0], room[1]
+    _fill_between(leg, points, i, j, limits)
+    if stops or i == j:
+        return leg[DURATION]
+    for k in range(COLUMNS):
+        turned[k] = leg[k]
+    turned[UX] = _TYPICAL_COS * leg[UX] - _TYPICAL_SIN * leg[UY]
+    turned[UY] = _TYPICAL_SIN * leg[UX] + _TYPICAL_COS * leg[UY]
+    return leg[DURATION] - 2.0 * half_overlap_s(leg, turned, limits)

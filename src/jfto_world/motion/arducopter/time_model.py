@@ -11,7 +11,12 @@ import numpy as np
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.types import Array
 from jfto_world.motion.arducopter.closed_loop import Flight, fly_route
-from jfto_world.motion.arducopter.leg_profile import COLUMNS, fill_leg_times, planner_limits
+from jfto_world.motion.arducopter.leg_profile import (
+    COLUMNS,
+    fill_chain_times,
+    fill_leg_times,
+    planner_limits,
+)
 from jfto_world.motion.arducopter.takeoff import takeoff_height_m, takeoff_s
 from jfto_world.motion.arducopter.target import TargetTrack, plan_target
 from jfto_world.motion.arducopter.wpnav import Airframe, WpNav
@@ -92,11 +97,23 @@ class ArduCopter:
         out = np.zeros((len(points), len(points)))
         limits_row = planner_limits(self.wpnav.within(limits))
         fill_leg_times(points, limits_row, self.hold_s > 0, np.zeros((2, COLUMNS)), out)
-        extra = self.hold_s
-        if self.closed_loop:
-            extra += _LAG_STOP_S if self.hold_s > 0 else _LAG_FLY_S
-        out[~np.eye(len(points), dtype=bool)] += extra
+        out[~np.eye(len(points), dtype=bool)] += self._extra_s
         return out
+
+    def chain_times(self, points_m: Array, limits: MotionLimits) -> Array:
+        """Estimated time of each leg from one point to the next, shape (M - 1,)."""
+        points = np.ascontiguousarray(points_m, dtype=np.float64)
+        out = np.zeros(max(len(points) - 1, 0))
+        limits_row = planner_limits(self.wpnav.within(limits))
+        fill_chain_times(points, limits_row, self.hold_s > 0, np.zeros((2, COLUMNS)), out)
+        return out + self._extra_s
+
+    @property
+    def _extra_s(self) -> float:
+        """What a leg takes beyond its profile: the hold, and how far the vehicle lags behind."""
+        if not self.closed_loop:
+            return self.hold_s
+        return self.hold_s + (_LAG_STOP_S if self.hold_s > 0 else _LAG_FLY_S)
 
     def overhead_s(self, limits: MotionLimits) -> float:
         """Time of a route beyond the sum of its `leg_matrix` entries, s.
