@@ -10,6 +10,7 @@ import numpy as np
 from jfto.console.progress import SILENT, Progress
 from jfto.pipeline.run import Pipeline, Run
 from jfto.pipeline.sorties import left_over, sortie_directory
+from jfto.planning.fence import fence_of
 from jfto.planning.routes import plan_routes
 from jfto.planning.scenario_file import LoadedScenario
 from jfto.planning.survey import Survey
@@ -48,7 +49,9 @@ def with_left_over(
     like = own or plans[-1]
     pads = np.array([uav.start_m[:2] for uav in like.uavs])
     before = () if own is None else tuple(w for w in own.waypoints if w.photo)
-    found = Survey(load_ground(loaded), before + waypoints, None, starts_m=pads)
+    dem = load_ground(loaded)
+    fence, _ = fence_of(loaded, dem)
+    found = Survey(dem, before + waypoints, None, starts_m=pads, fence=fence)
     try:
         planned = plan_routes(loaded.scenario, found, progress)
     except InfeasibleError:

@@ -82,8 +82,8 @@ def fence_of(loaded: LoadedScenario, dem: Dem) -> tuple[Fence | None, tuple[str,
 
 
 def corner_allowance_m(wanted: TrajectoryPart) -> float:
-    """What corners may take of the way round a zone: missions cut them, curves do not."""
-    return wanted.wpnav_radius_m + _STRAYED_M if wanted.mode == "waypoints" else 0.0
+    """What corners may take of the way round a zone: autopilots cut them, on the way home too."""
+    return 0.0 if wanted.mode == "straight" else wanted.wpnav_radius_m + _STRAYED_M
 
 
 def _of_file(loaded: LoadedScenario, name: str, layer: str) -> tuple[list[_Shape], tuple[str, ...]]:
