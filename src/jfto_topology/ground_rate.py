@@ -110,4 +110,6 @@ def _of_slot(rate: Array, stations: int, mac: str) -> float:
         b_eq=np.zeros(uavs),
         method="highs",
     )
+    if found.x is None:
+        raise InputError(f"rate_bps: the programme of a slot was not solved: {found.message}")
     return float(found.x[-1] * scale)

@@ -21,6 +21,7 @@ from jfto_topology.algorithms.mtp import mtp
 from jfto_topology.algorithms.powered import PoweredTopology
 from jfto_topology.ground_rate import NODE_EXCLUSIVE, ONE_BAND, deaf_uavs, ground_rate
 from jfto_topology.metrics import average_hops, connectivity_rate, energy_used, slot_throughput
+from jfto_topology.one_band import OneBand, one_band
 from jfto_world.radio import degrees, mutual_links, rate_bps
 
 # Rows of C-TOP's forms; the paper has one row, for which each of them is a reading.
@@ -80,8 +81,9 @@ class AlgorithmResult:
     link that is the same for all algorithms; `active` only the links that both ends list, to which
     the neighbour rule applies. `power_w` is (N + 1, A), 0 where a UAV is off the air; `degree`
     (N + 1, A) counts active links; `decades` is the sum of log10(1 + SNR) over linked pairs and
-    slots 1 … N; `ground` is there where the plan has ground stations; `energy_j` (A,) is what
-    slots 1 … N cost. `traverses_all` says that no UAV runs out of energy before the fleet is done.
+    slots 1 … N, `one_band` what one channel carries of them at once; `ground` is there where the
+    plan has ground stations; `energy_j` (A,) is what slots 1 … N cost. `traverses_all` says that no
+    UAV runs out of energy before the fleet is done.
     """
 
     name: str
@@ -90,6 +92,7 @@ class AlgorithmResult:
     power_w: Array
     degree: NDArray[np.int64]
     decades: float
+    one_band: OneBand
     energy_j: Array
     traverses_all: bool
     ground: GroundRates | None = None
@@ -217,6 +220,7 @@ class _Rating:
             power_w=power_w,
             degree=degrees(active),
             decades=float(metrics.throughput_bps[1:].sum() / band_hz * np.log10(2.0)),
+            one_band=one_band(linked, self.network.gain, power_w, self.plan.radio),
             energy_j=energy_used(power_w, self.plan.slots.duration_s),
             traverses_all=bool(on_air.all()),
             ground=self._ground(linked, power_w) if self.plan.ground_stations else None,

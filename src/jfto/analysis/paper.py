@@ -58,7 +58,14 @@ PAPER: dict[str, dict[str, PaperRow]] = {
 }
 
 # What `beside_paper` gives, in its order.
-HEADINGS = ("Traverses all", "ξ (%)", "Σ log10(1 + SNR)", "Hops", "Throughput (Mb/s)")
+HEADINGS = (
+    "Traverses all",
+    "ξ (%)",
+    "Σ log10(1 + SNR)",
+    "Hops",
+    "Throughput (Mb/s)",
+    "One band (Mb/s)",
+)
 
 # What `ground_cells` gives: Mb/s where each radio has its own time / where all share one band.
 GROUND_HEADINGS = ("To ground (Mb/s)", "No way to it")
@@ -70,7 +77,9 @@ def beside_paper(result: AlgorithmResult, scene: str) -> list[tuple[str, str]]:
     ours = _cells(result.traverses_all, linked.connectivity_rate, result.decades, linked.hops)
     theirs = paper_row(scene, result.name)
     beside = [""] * len(ours) if theirs is None else _cells(*astuple(theirs))
-    return [*zip(ours, beside, strict=True), (f"{linked.mean_throughput_mbps:.0f}", "")]
+    shared = result.one_band.throughput_bps[1:].mean() / 1e6
+    without = [(f"{mbps:.0f}", "") for mbps in (linked.mean_throughput_mbps, shared)]
+    return [*zip(ours, beside, strict=True), *without]
 
 
 def paper_row(scene: str, algorithm: str) -> PaperRow | None:
