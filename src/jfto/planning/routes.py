@@ -223,6 +223,11 @@ def trigger_note(plan: Plan) -> str:
     """How many photographs are not on lines where lines were asked for; empty if none."""
     if plan.trigger == "each":
         return ""
+    if plan.trajectories or plan.time_parameters.get("hold_s"):
+        why = "fly curves (trajectory.mode guided)"
+        if not plan.trajectories:
+            why = "stop at each waypoint (trajectory.hold_s)"
+        return f"coverage.trigger {plan.trigger}: UAVs {why}, and take photographs one by one"
     photos = sum(waypoint.photo for waypoint in plan.waypoints)
     on_lines = sum(line.last - line.first + 1 for route in plan.routes for line in route.lines)
     if on_lines == photos:

@@ -130,6 +130,7 @@ def _build_one(
         Item(mavlink.MAV_CMD_NAV_TAKEOFF, FRAME_HOME, z=settings.takeoff_height_m),
         *(_speed_items(uav) if settings.set_speeds else ()),
     ]
+    _check_gates(uav.id, route, settings)
     written = route_steps(waypoints, route.arrival_s, route.lines, settings.encoding, plan.trigger)
     maker = PhotoItems(route, points[1:], places[1:], frame, home_alt_m, settings)
     flown_by = {
@@ -218,6 +219,18 @@ def _over_ground(
         return_height_m=max(height, settings.return_height_m or height),
         limits=replace(limits, height_min_m=-limits.height_max_m),
     )
+
+
+def _check_gates(uav: str, route: Route, settings: MissionSettings) -> None:
+    for line in route.lines:
+        inside = [gate for gate in settings.gates if line.first <= gate < line.last]
+        if inside:
+            raise MissionError(
+                303,
+                f"{uav}: its time gate behind waypoint {inside[0] + 1} lies on a line that is "
+                f"photographed in one go, to waypoint {line.last + 1}. Put the gate there, or plan "
+                "with coverage.trigger each.",
+            )
 
 
 def _by_item(flown_by: dict[int, int], count: int) -> list[int]:

@@ -157,6 +157,8 @@ def test_a_line_is_flown_in_one_go(plan, trigger, row):
     assert built.item_map.items == (4, end, end)
     assert built.item_map.waypoint(end) == 2
     assert built.item_map.next_waypoint(5) == 1
+    with pytest.raises(MissionError, match=r"gate behind waypoint 2 .* to waypoint 3"):
+        build_missions(lined, MissionSettings(gates=(1,), start_unix_s=1.8e9))
 
 
 def test_holding_sharpens_and_every_part_can_be_left_out(plan):
