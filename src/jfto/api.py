@@ -89,7 +89,7 @@ def cover(scenario: ScenarioLike, progress: Progress = SILENT) -> Coverage:
     from jfto.planning.survey import judged, survey
 
     loaded = _loaded(scenario)
-    found = judged(survey(loaded, progress), loaded, progress).coverage
+    found = judged(survey(loaded, progress), loaded.scenario, progress).coverage
     assert found is not None
     return found
 

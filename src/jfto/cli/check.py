@@ -10,7 +10,9 @@ import click
 from jfto.cli.options import PATH, json_option, print_json
 
 if TYPE_CHECKING:
+    from jfto.planning.check import Checked
     from jfto_msgs_py.records.plan import Plan
+    from jfto_planner.coverage import Coverage
 
 
 @click.command("check")
@@ -31,23 +33,25 @@ def command(plans: tuple[Path, ...], scenario_file: Path | None, as_json: bool) 
     way, where the terrain is at hand. Several are the sorties of one
     scenario: every waypoint is in one of them. Status 0 if all holds, 3 if not.
     """
+    from jfto.analysis.export import coverage_object
     from jfto.cli.failure import EXIT_INFEASIBLE
     from jfto.cli.results import plan_facts
     from jfto.planning.check import check_plan
     from jfto.planning.sorties import faults_together
 
     checked = [check_plan(path, scenario_file) for path in plans]
-    read = [plan for plan, _ in checked]
+    read = [one.plan for one in checked]
     faults = faults_together(read) if len(read) > 1 else ()
     if as_json:
         facts = [
-            plan_facts(one, str(path)) | {"ground": ground}
-            for (one, ground), path in zip(checked, plans, strict=True)
+            plan_facts(one.plan, str(path))
+            | {"ground": one.ground, "coverage": one.coverage and coverage_object(one.coverage)}
+            for one, path in zip(checked, plans, strict=True)
         ]
         print_json(facts[0] if len(facts) == 1 else {"sorties": facts, "together": list(faults)})
     else:
-        for (one, ground), path in zip(checked, plans, strict=True):
-            _print(one, ground, path)
+        for one, path in zip(checked, plans, strict=True):
+            _print(one, path)
         for fault in faults:
             click.echo(f"✗ {fault}")
         if len(read) > 1 and not faults:
@@ -57,9 +61,10 @@ def command(plans: tuple[Path, ...], scenario_file: Path | None, as_json: bool) 
     return 0 if good else EXIT_INFEASIBLE
 
 
-def _print(read: Plan, ground: str, path: Path) -> None:
+def _print(checked: Checked, path: Path) -> None:
     from jfto import words
 
+    read = checked.plan
     certificate, sortie = read.certificate, read.sortie
     assert certificate is not None
     part = f", sortie {sortie.number} of {sortie.count}" if sortie.count > 1 else ""
@@ -72,7 +77,8 @@ def _print(read: Plan, ground: str, path: Path) -> None:
         "length": f"{read.total_length_m / 1000:.2f} km, {read.length_max_m / 1000:g} km allowed",
         "duration": words.flight_time(read),
         "way home": words.way_home(read) or "not planned: older plan, or written by others",
-        "ground": ground,
+        "ground": checked.ground,
+        **({} if checked.coverage is None else _seen(checked.coverage)),
         "battery": _battery(read),
         "wind": words.made_for(read),
         "energy": _energy(certificate.energy_floor_j, [uav.energy_j for uav in read.uavs]),
@@ -84,6 +90,18 @@ def _print(read: Plan, ground: str, path: Path) -> None:
     if len(certificate.violations) > 20:
         click.echo(f"  and {len(certificate.violations) - 20} more (--json lists all)")
     click.echo("✓ verified" if certificate.clean else "✗ not feasible")
+
+
+def _seen(coverage: Coverage) -> dict[str, str]:
+    """What the photos show of the area, and how far they overlap."""
+    from jfto import words
+
+    proof, pairs = coverage.certificate, coverage.overlaps
+    return {
+        "area seen": f"{100 * proof.seen_once:.1f} % once, {100 * proof.seen_twice:.1f} % twice",
+        "overlap σ_h": words.overlap(pairs.across),
+        "overlap σ_v": words.overlap(pairs.along),
+    }
 
 
 def _battery(plan: Plan) -> str:

@@ -32,7 +32,7 @@ def command(loaded: LoadedScenario, out: Path | None, as_json: bool) -> int:
     if out is not None:
         format_of(out)
     with show_stages(quiet=as_json) as progress:
-        found = judged(survey(loaded, progress), loaded, progress)
+        found = judged(survey(loaded, progress), loaded.scenario, progress)
     assert found.coverage is not None
     if out is not None:
         write_waypoints(found, out)

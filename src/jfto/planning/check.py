@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from jfto.planning.problem import ground_rule, home_ground
 from jfto.planning.routes import certify_plan
 from jfto.planning.scenario_file import SCENARIO_NAME
 from jfto.planning.scenario_of_plan import load_scenario_for
+from jfto.planning.survey import Survey, judged
 from jfto.planning.terrain import known_ground
 from jfto_msgs_py.errors import InputError, JftoError, PlanError
 from jfto_msgs_py.plan_file import read_plan
@@ -16,12 +18,27 @@ from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.scenario import Scenario
 from jfto_world.terrain import Dem
 
+if TYPE_CHECKING:
+    from jfto_planner.coverage import Coverage
+
 # A plan's heights are above its origin: so far off, the terrain is another one.
 _SAME_DEG, _SAME_M = 1e-6, 0.5
 
 
-def check_plan(path: Path, scenario_file: Path | None = None) -> tuple[Plan, str]:
-    """The plan of a file with a new certificate, and what is known of the ground below, in words.
+@dataclass(frozen=True)
+class Checked:
+    """A plan with a new certificate, and what is known of the ground below, in words.
+
+    `coverage` is what the photos show of the plan's area, None where that was not judged.
+    """
+
+    plan: Plan
+    ground: str
+    coverage: Coverage | None = None
+
+
+def check_plan(path: Path, scenario_file: Path | None = None) -> Checked:
+    """The plan of a file, checked anew, and its photos judged where the ground is known.
 
     The terrain is that of `scenario_file`, else of the scenario.yaml beside the plan. Raises
     PlanError that names the file.
@@ -30,7 +47,8 @@ def check_plan(path: Path, scenario_file: Path | None = None) -> tuple[Plan, str
     known = _ground(plan, path, scenario_file)
     try:
         if isinstance(known, str):
-            return replace(plan, certificate=certify_plan(plan)), f"not checked: {known}"
+            plan = replace(plan, certificate=certify_plan(plan))
+            return Checked(plan, f"not checked: {known}")
         scenario, dem = known
         ground = ground_rule(scenario, plan.waypoints, dem)
         home = home_ground(scenario, dem) if plan.homes else None
@@ -39,7 +57,15 @@ def check_plan(path: Path, scenario_file: Path | None = None) -> tuple[Plan, str
         raise PlanError(f"{path}: {error}") from None
     where = "routes and ways home" if ground and home else "routes" if ground else "ways home"
     checked = f"{where} checked over {dem.description}" if ground or home else "nothing to check"
-    return replace(plan, certificate=certificate), checked
+    return Checked(replace(plan, certificate=certificate), checked, _coverage(plan, scenario, dem))
+
+
+def _coverage(plan: Plan, scenario: Scenario, dem: Dem) -> Coverage | None:
+    """What photos of a plan show of its area; drawn waypoints are to show none."""
+    if scenario.waypoints.source not in ("coverage", "file"):
+        return None
+    found = Survey(replace(dem, area=plan.area), plan.waypoints, None)
+    return judged(found, scenario).coverage
 
 
 def _ground(plan: Plan, path: Path, scenario_file: Path | None) -> tuple[Scenario, Dem] | str:

@@ -14,6 +14,7 @@ from jfto.planning.terrain import load_ground
 from jfto_msgs_py.errors import InfeasibleError, WaypointError
 from jfto_msgs_py.records.plan import Waypoint
 from jfto_msgs_py.records.site import Fence
+from jfto_msgs_py.scenario import Scenario
 from jfto_msgs_py.scenario.survey import CameraPart, CoveragePart
 from jfto_msgs_py.types import Array
 from jfto_planner.coverage import (
@@ -87,7 +88,7 @@ def _waypoints(loaded: LoadedScenario, dem: Dem, progress: Progress) -> Survey:
         except WaypointError as error:
             raise WaypointError(f"{loaded.path}: waypoints.file: {error}") from None
         progress.begin("coverage", "casting rays")
-        found = judged(Survey(dem, given.waypoints, None, given.notes), loaded, progress)
+        found = judged(Survey(dem, given.waypoints, None, given.notes), loaded.scenario, progress)
         assert found.coverage is not None
         proof = f"read from {wanted.file}, {_proof(found.coverage)}"
         progress.end("coverage", f"{len(found.waypoints)} waypoints", proof)
@@ -132,17 +133,16 @@ def within(found: Survey, loaded: LoadedScenario, progress: Progress = SILENT) -
     progress.warn(f"fence: {len(inside)} of {len(found.waypoints)} waypoints are left out: {names}")
     if found.coverage is None:
         return replace(found, waypoints=kept)
-    seen = judged(replace(found, waypoints=kept, coverage=None), loaded, progress)
+    seen = judged(replace(found, waypoints=kept, coverage=None), loaded.scenario, progress)
     assert seen.coverage is not None
     progress.end("coverage", f"{len(kept)} waypoints", _proof(seen.coverage))
     return seen
 
 
-def judged(found: Survey, loaded: LoadedScenario, progress: Progress = SILENT) -> Survey:
+def judged(found: Survey, scenario: Scenario, progress: Progress = SILENT) -> Survey:
     """A survey with the certificate of what its photos show, whatever their origin."""
     if found.coverage is not None:
         return found
-    scenario = loaded.scenario
     camera = make_camera(scenario.camera, scenario.coverage)
     settings = make_settings(scenario.coverage)
     coverage = judge_waypoints(found.waypoints, found.dem, camera, settings, progress.advance)

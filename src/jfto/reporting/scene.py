@@ -43,7 +43,7 @@ def scene_data(
     sensitivity_w = float(dbm_to_w(plan.radio.sensitivity_dbm))
     return {
         "terrain": {"x": _short(x), "y": _short(y), "z": _short(z)},
-        "area": [] if dem is None else [_short(_on_ground(r, dem)) for r in area_rings(plan.area)],
+        "area": [] if dem is None else [_short(on_ground(r, dem)) for r in area_rings(plan.area)],
         "duration": plan.slots.duration_s,
         "uavs": [
             {
@@ -73,7 +73,7 @@ def scene_data(
     }
 
 
-def _on_ground(ring: Array, dem: Dem) -> Array:
+def on_ground(ring: Array, dem: Dem) -> Array:
     """A closed outline (K, 2) as a line on the ground (M, 3), where the ground is known."""
     steps = np.linalg.norm(np.diff(ring, axis=0), axis=1)
     along = np.concatenate([[0.0], np.cumsum(steps)])
