@@ -63,6 +63,7 @@ def is_mission_file(path: Path) -> bool:
 
 def _foreign(files: Mapping[str, Path], choices: Mapping[str, Any]) -> dict[str, VehicleMission]:
     from jfto.flight.foreign_mission import foreign_mission
+    from jfto.planning.fence import fence_of
     from jfto.planning.scenario_file import SCENARIO_NAME, load_scenario
     from jfto.planning.terrain import known_ground
     from jfto_mavlink.operation import mission_limits
@@ -76,9 +77,10 @@ def _foreign(files: Mapping[str, Path], choices: Mapping[str, Any]) -> dict[str,
     section = {} if loaded is None else loaded.node_options.get("mavlink_bridge", {})
     options = BridgeOptions(**section)
     dem = known_ground(loaded) if loaded is not None and options.check_terrain else None
+    fence = None if loaded is None or dem is None else fence_of(loaded, dem)[0]
     found = {}
     for uav, path in files.items():
-        found[uav], notes = foreign_mission(path, uav, mission_limits(options), dem)
+        found[uav], notes = foreign_mission(path, uav, mission_limits(options), dem, fence)
         mission = found[uav].mission
         click.echo(
             f"{uav}: {path}, {len(mission.items)} items, {len(mission.fence)} fence, "

@@ -287,6 +287,18 @@ def test_an_edited_mission_is_held_to_what_ours_are(plan, tmp_path, capsys, chan
     assert "uav2.plan" in told
 
 
+def test_an_edited_mission_keeps_out_of_the_scenarios_zones(plan, tmp_path, capsys):
+    """A leg into one is refused by the name of zone and item."""
+    path = edited(plan, tmp_path)
+    items = json.loads(path.read_text())["mission"]["items"]
+    lat, lon = [item["params"][4:6] for item in items if item["command"] == 16][1]
+    scenario = ["--scenario", str(plan.with_name("scenario.yaml"))]
+    zone = f"fence.keep_out=[circle {lat} {lon} 15 name mast]"
+    arguments = [*scenario, "--set", zone, "--vehicles", "udpin:127.0.0.1:14999"]
+    assert main(["mission", "upload", str(path), *arguments]) != 0
+    assert "leads into mast of the scenario's fence" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
