@@ -13,6 +13,7 @@ import pytest
 from nbclient import NotebookClient
 
 import jfto_planner
+from jfto.planning.sorties import faults_together
 from jfto_msgs_py.plan_file import read_plan
 
 ROOT = Path(__file__).parents[2]
@@ -42,6 +43,19 @@ def test_a_scenario_of_ones_own(run, tmp_path):
     assert "clean: True" in out
     assert all(name in out for name in ("MTP", "A-LMST", "CPAPO", "C-TOP"))
     assert read_plan(tmp_path / "plan.json").clean
+
+
+@pytest.mark.slow
+def test_several_sorties(run, tmp_path):
+    """More than one, each clean, with files that belong together."""
+    out = run("several_sorties.py", str(EXAMPLES / "valley.yaml"), str(tmp_path / "one"))
+    assert "sortie 1 of 1" in out
+    out = run("several_sorties.py")
+    folder, count = re.search(r"(\S+) has (\d+) plans", out).groups()
+    assert int(count) > 1
+    assert out.count("clean: True") == int(count)
+    plans = [read_plan(path) for path in sorted(Path(folder).glob("plan-*.json"))]
+    assert faults_together(plans) == ()
 
 
 @pytest.mark.parametrize(("name", "count"), [("waypoints.csv", 6), ("waypoints.geojson", 4)])

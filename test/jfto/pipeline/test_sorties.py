@@ -15,10 +15,13 @@ from jfto.pipeline.sorties import left_over, save_sorties, sortie_directory
 from jfto.planning.scenario_file import LoadedScenario, load_scenario
 from jfto.planning.sorties import PlannedSorties, plan_sorties
 from jfto.planning.survey import survey
+from jfto_mavlink.mission.build import build_missions
+from jfto_mavlink.mission.settings import settings_for
 from jfto_msgs_py.errors import InfeasibleError, InputError
 from jfto_msgs_py.plan_file import plan_text, read_plan, write_plan
 from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.records.site import Sortie
+from jfto_world.mission.steps import mission_items
 
 # Half of what the tiny scene takes.
 SHORT = ["fleet.t_max_s=60"]
@@ -170,3 +173,41 @@ def test_the_command_says_how_many(
     assert "sortie 1 is given twice" in capsys.readouterr().out
     assert main(["check", files[1]]) == 0
     assert read_plan(files[1]).sortie.number == 2
+
+
+def test_missions_that_hold_little_make_sorties(tiny: Path, tiny_survey) -> None:
+    """What no division over the fleet fits into missions is divided over flights."""
+    overrides = ["fleet.mission_items=25", "fleet.t_max_s=450", "fleet.count=2"]
+    fleet = ["fleet.p_max_dbm=30", "fleet.energy_j=200", "network.k_min=1"]
+    scenario = load_scenario(tiny, overrides + fleet).scenario
+    plans = plan_sorties(scenario, tiny_survey).plans
+    assert len(plans) > 1
+    for plan in plans:
+        assert plan.clean
+        assert max(mission_items(plan, a) for a in range(2)) <= 25
+        assert all(len(one.mission.items) <= 25 for one in build_missions(plan, settings_for(plan)))
+    assert sum(len(plan.waypoints) for plan in plans) == len(tiny_survey.waypoints)
+
+
+def test_a_run_has_a_directory_for_each_sortie(
+    tiny: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Plans, figures and report of each; what was made is kept; the next one is named."""
+    out = tmp_path / "run"
+    wanted = [str(tiny), "--set", "sorties.count=2", "-o", str(out), "--until", "plan"]
+    assert main(["run", *wanted]) == 0
+    assert (
+        f"Sortie      1 of 2; next: jfto run {tiny} -o {out} --sortie 2" in capsys.readouterr().out
+    )
+    for number in (1, 2):
+        folder = out / f"sortie-{number}"
+        assert read_plan(folder / "plan.json").sortie == Sortie(number, 2)
+        assert (out / f"plan-{number}.json").read_bytes() == (folder / "plan.json").read_bytes()
+        assert (folder / "report.html").exists()
+        assert (folder / "figures" / "routes.png").exists()
+    made = (out / "sortie-2" / "report.html").stat().st_mtime_ns
+    assert main(["run", *wanted, "--sortie", "2"]) == 0
+    assert "Sortie      2 of 2\n" in capsys.readouterr().out
+    assert (out / "sortie-2" / "report.html").stat().st_mtime_ns == made
+    assert main(["run", *wanted, "--sortie", "3"]) == 2
+    assert "--sortie 3: there are 2, and none has left a waypoint" in capsys.readouterr().err
