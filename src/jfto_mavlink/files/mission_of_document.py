@@ -26,6 +26,7 @@ def mission_of_document(document: MissionDocument, name: str) -> Mission:
             f"{name}: {over_terrain} items are above the terrain (frames 10, 11): the vehicle "
             "must have the terrain's data, else it descends"
         )
+    notes += [f"{entry.place}: {said}" for entry in document.items if (said := _open_place(entry))]
     if items:
         items = (_home(document, items, notes, name), *items)
     fence, rally = (tuple(map(_item, part)) for part in (document.fence, document.rally))
@@ -59,6 +60,19 @@ def _home(document: MissionDocument, items: tuple[Item, ...], notes: list[str], 
     first = next(places, Item(mavlink.MAV_CMD_NAV_WAYPOINT))
     notes.append(f"{name}: names no home; the place of its first item is written, at 0 m")
     return at(mavlink.MAV_CMD_NAV_WAYPOINT, FRAME_ABSOLUTE, first.lat_deg, first.lon_deg, 0.0)
+
+
+def _open_place(entry: FileItem) -> str:
+    """What of a place the file leaves open, for which 0 is written: as it is then and there."""
+    if not Item(entry.command, entry.frame).has_position:
+        return ""
+    names = ("latitude", "longitude", "altitude")
+    left = [name for name, is_open in zip(names, entry.left_open[4:], strict=True) if is_open]
+    if not left:
+        return ""
+    return (
+        f"the {' and '.join(left)} of command {entry.command} left open: 0 is written, where it is"
+    )
 
 
 def _item(entry: FileItem) -> Item:

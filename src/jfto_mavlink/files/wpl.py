@@ -26,7 +26,8 @@ def write_wpl(path: Path, mission: Mission) -> tuple[Path, ...]:
     home = mission.items[:1] or (Item(mavlink.MAV_CMD_NAV_WAYPOINT, FRAME_ABSOLUTE),)
     written = []
     for target, items in (
-        (path, mission.items),
+        # A header alone would be taken for a file that was cut short.
+        (path, mission.items or home),
         (_beside(path, "fence"), (*home, *mission.fence) if mission.fence else ()),
         (_beside(path, "rally"), (*home, *mission.rally) if mission.rally else ()),
     ):

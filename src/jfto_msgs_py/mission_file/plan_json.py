@@ -24,11 +24,17 @@ from jfto_msgs_py.mission_file.document import (
     finite,
     whole,
 )
+from jfto_msgs_py.mission_file.jumps import with_jumps
 
 # QGroundControl reads past keys that it does not know.
 PARAMETERS_KEY = "jftoParameters"
 _ABSOLUTE, _ABOVE_HOME = 0, 3
 _ARDUPILOT = 3
+# MAV_TYPE of what flies as a copter does, and in words those that a station also plans for.
+_COPTERS = (0, 2, 3, 4, 13, 14, 15, 29, 35)
+_VEHICLES = {1: "a plane", 10: "a rover", 11: "a boat", 12: "a submarine"} | dict.fromkeys(
+    range(19, 26), "a VTOL plane"
+)
 _AGAIN = "Save it again in QGroundControl."
 # Keys whose values are used, or say nothing that would change a flight.
 _KNOWN = {
@@ -90,6 +96,8 @@ class _PlanReader:
         self._name = name
         self._unused: Counter[str] = Counter()
         self._notes: list[str] = []
+        # QGroundControl's numbers of the items, which its jumps go by, in their order.
+        self._numbers: list[int | None] = []
 
     def read(self, document: Any) -> MissionDocument:
         if not isinstance(document, dict) or document.get("fileType") != "Plan":
@@ -110,6 +118,7 @@ class _PlanReader:
                 f"{self._name}: was made for firmware {_short(mission['firmwareType'])}; its items "
                 f"are taken as ArduPilot's ({_ARDUPILOT})"
             )
+        self._note_vehicle(mission.get("vehicleType", 2))
         entries = mission.get("items")
         if not isinstance(entries, list):
             raise MissionTextError(f"{self._name}: mission.items is missing. {_AGAIN}")
@@ -121,8 +130,10 @@ class _PlanReader:
         parameters = self._parameters(document.get(PARAMETERS_KEY, {}))
         if self._unused:
             self._notes.append(f"{self._name}: not used: {', '.join(sorted(self._unused))}")
+        pairs = zip(items, self._numbers, strict=True)
+        kept = [pair for pair in pairs if pair[0].command not in FENCE_COMMANDS | {RALLY}]
         return MissionDocument(
-            tuple(item for item in items if item.command not in FENCE_COMMANDS | {RALLY}),
+            with_jumps([item for item, _ in kept], [number for _, number in kept]),
             home,
             # Also those that stand among the items of the mission.
             fence + tuple(item for item in items if item.command in FENCE_COMMANDS),
@@ -131,6 +142,14 @@ class _PlanReader:
             tuple(self._notes),
             finite(speed, "hoverSpeed", self._name) if speed is not None else None,
         )
+
+    def _note_vehicle(self, kind: Any) -> None:
+        if isinstance(kind, bool) or kind not in _COPTERS:
+            what = _VEHICLES.get(kind, "no copter") if isinstance(kind, int) else "no copter"
+            self._notes.append(
+                f"{self._name}: was made for {what} (vehicleType {_short(kind)}); its items are "
+                "taken as a copter's"
+            )
 
     def _section(self, document: dict[str, Any], key: str) -> dict[str, Any]:
         section = document.get(key)
@@ -163,7 +182,7 @@ class _PlanReader:
         if place is None or place == []:
             return None
         where = f"{self._name}: plannedHomePosition"
-        if isinstance(place, list) and len(place) == 3 and place[2] is None:
+        if isinstance(place, list) and len(place) == 3 and _is_open(place[2]):
             return (*self._place(place[:2], 2, where), math.nan)
         return self._place(place, 3, where)
 
@@ -218,12 +237,11 @@ class _PlanReader:
         if not isinstance(params, list) or len(params) != 7:
             raise MissionTextError(f"{place}: params must be a list of 7 numbers. {_AGAIN}")
         values = tuple(
-            math.nan
-            if value is None or (isinstance(value, float) and math.isnan(value))
-            else finite(value, f"params[{index}]", place)
+            math.nan if _is_open(value) else finite(value, f"params[{index}]", place)
             for index, value in enumerate(params)
         )
-        again = entry.get("autoContinue", True)
+        again, number = entry.get("autoContinue", True), entry.get("doJumpId")
+        self._numbers.append(None if number is None else whole(number, "doJumpId", place))
         return FileItem(
             place,
             whole(entry.get("command"), "command", place),
@@ -292,6 +310,10 @@ class _PlanReader:
         if not isinstance(section, dict):
             raise MissionTextError(f"{place}: is {_short(section)}, must be an object. {_AGAIN}")
         return tuple((name, finite(value, name, place)) for name, value in section.items())
+
+
+def _is_open(value: Any) -> bool:
+    return value is None or (isinstance(value, float) and math.isnan(value))
 
 
 def _at(

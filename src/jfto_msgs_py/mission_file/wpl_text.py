@@ -13,12 +13,13 @@ from jfto_msgs_py.mission_file.document import (
     MissionTextError,
     whole,
 )
+from jfto_msgs_py.mission_file.jumps import with_jumps
 
 HEADER = "QGC WPL 110"
 # As 110, but without home in its first row.
 HEADER_WITHOUT_HOME = "QGC WPL 120"
 _COLUMNS = 12
-_HOME_COMMANDS = (0, 16)
+_HOME_COMMANDS, _TAKEOFF = (0, 16), 22
 
 
 def parse_wpl_text(text: str, name: str) -> MissionDocument:
@@ -34,25 +35,56 @@ def parse_wpl_text(text: str, name: str) -> MissionDocument:
             f'{name}: must begin with "{HEADER}", begins with {lines[0][:40]!r}. Save it as a '
             "mission file of Mission Planner or QGroundControl."
         )
+    has_home = header == HEADER
     rows: list[FileItem] = []
+    home_m = 0.0
     for number, line in enumerate(lines[1:], start=2):
         if line and not line.startswith("#") and line != "\x1a":
-            rows.append(_row(line.split(), len(rows), f"{name} line {number}"))
-    if header == HEADER_WITHOUT_HOME:
-        home, items = None, rows
-    else:
-        home, items = _home(rows, name), rows[1:]
+            fields, place = line.split(), f"{name} line {number}"
+            if has_home and not rows:
+                home_m, fields = _home_height_m(fields, place)
+            rows.append(_row(fields, len(rows), place))
+    if not rows:
+        raise MissionTextError(
+            f"{name}: holds its first line and nothing else. It was cut short or saved empty: save "
+            "it again."
+        )
+    home = (*_home(rows, name)[:2], home_m) if has_home else None
+    if not has_home:
+        _require_no_home(rows)
+    numbered = [(k, item) for k, item in enumerate(rows) if k or not has_home]
+    items = [item for _, item in numbered]
+    kept = [(k, item) for k, item in numbered if item.command not in FENCE_COMMANDS | {RALLY}]
     return MissionDocument(
-        tuple(item for item in items if item.command not in FENCE_COMMANDS | {RALLY}),
+        with_jumps([item for _, item in kept], [k for k, _ in kept]),
         home,
         tuple(item for item in items if item.command in FENCE_COMMANDS),
         tuple(item for item in items if item.command == RALLY),
     )
 
 
-def _home(rows: Sequence[FileItem], name: str) -> tuple[float, float, float] | None:
-    if not rows:
-        return None
+def _home_height_m(fields: list[str], place: str) -> tuple[float, list[str]]:
+    """Height of home, NaN where it is left open as a `.plan` may, and its row with a number."""
+    if len(fields) != _COLUMNS:
+        return 0.0, fields
+    height_m = _number(fields[10], "column 11", place)
+    return height_m, [*fields[:10], "0", fields[11]] if math.isnan(height_m) else fields
+
+
+def _require_no_home(rows: Sequence[FileItem]) -> None:
+    """Refuse a waypoint above sea level before the take-off: it is home, which has no row here."""
+    first = rows[0]
+    if first.command not in _HOME_COMMANDS or first.frame not in (0, 5):
+        return
+    if any(item.command == _TAKEOFF for item in rows):
+        raise MissionTextError(
+            f"{first.place}: files that begin with {HEADER_WITHOUT_HOME} have no row of home, but "
+            f"this one looks like it: a waypoint in frame {first.frame} before the take-off. Let "
+            f"the file begin with {HEADER}, or remove the row{_count_again(rows)}."
+        )
+
+
+def _home(rows: Sequence[FileItem], name: str) -> tuple[float, float, float]:
     first = rows[0]
     if first.command not in _HOME_COMMANDS or first.frame not in (0, 5):
         raise MissionTextError(

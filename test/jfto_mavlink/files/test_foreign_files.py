@@ -216,3 +216,89 @@ def test_a_fence_of_an_earlier_mission_is_not_left_beside(tmp_path):
     (tmp_path / "n.fence.waypoints").write_text("QGC WPL 110\n")
     with pytest.raises(MissionFileError, match=r"n\.fence\.waypoints: lies there from an earlier"):
         write_mission(tmp_path / "n.waypoints", mission)
+
+
+def test_a_file_cut_after_its_first_line_is_refused(tmp_path):
+    """A header alone is no empty mission: something was lost."""
+    for header in ("QGC WPL 110", "QGC WPL 120"):
+        with pytest.raises(MissionFileError, match="first line and nothing else"):
+            read_mission(wpl(tmp_path, header=header))
+
+
+@pytest.mark.parametrize(
+    "rows", [(UP,), ("1 0 3 178 1 5 -1 0 0 0 0 1", UP.replace("1 0", "2 0", 1))]
+)
+def test_a_row_of_home_where_none_belongs_is_named(tmp_path, rows):
+    """QGC WPL 120 has none: a waypoint above sea level before the take-off was meant for home."""
+    with pytest.raises(MissionFileError, match=r"have no row of home, but this one looks like it"):
+        read_mission(wpl(tmp_path, HOME, *rows, header="QGC WPL 120"))
+
+
+def test_a_jump_leads_to_an_item_that_is_there(tmp_path):
+    """Past the end, to home, to a fraction: a vehicle would end its mission there."""
+    point = "2 0 3 16 0 0 0 0 46.2001 7.6001 60 1"
+    assert len(read_mission(wpl(tmp_path, HOME, UP, point, "3 0 2 177 2 3 0 0 0 0 0 1")).items) == 4
+    for target in ("4", "0", "2.5", "nan", "-1"):
+        row = f"3 0 2 177 {target} 3 0 0 0 0 0 1"
+        with pytest.raises(MissionFileError, match=r"jumps to item .*the mission has items 1 to 3"):
+            read_mission(wpl(tmp_path, HOME, UP, point, row))
+    with pytest.raises(MissionFileError, match="jumps to tag 7, which no item sets"):
+        read_mission(wpl(tmp_path, HOME, UP, "2 0 2 601 7 1 0 0 0 0 0 1"))
+
+
+def test_jumps_go_by_the_numbers_of_the_file(tmp_path):
+    """QGroundControl's doJumpId leaves gaps, and fence points are taken out of the list."""
+
+    def change(document):
+        for number, item in zip((1, 12, 13, 14), document["mission"]["items"], strict=True):
+            item["doJumpId"] = number
+        jump = {"type": "SimpleItem", "command": 177, "frame": 2, "autoContinue": True}
+        jump |= {"doJumpId": 15, "params": [13, 2, 0, 0, 0, 0, 0]}
+        document["mission"]["items"].append(jump)
+
+    assert read_mission(plan(tmp_path, change)).items[5].params[0] == 3.0
+    corners = [f"{k} 0 0 5001 3 0 0 0 46.{k} 7.6 0 1" for k in (2, 3, 4)]
+    rows = [*corners, "5 0 3 16 0 0 0 0 46.2 7.6 60 1", "6 0 2 177 5 1 0 0 0 0 0 1"]
+    assert read_mission(wpl(tmp_path, HOME, UP, *rows)).items[3].params[0] == 2.0
+
+
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [(1, "a plane"), (10, "a rover"), (20, "a VTOL plane"), (99, "no copter"), ("x", "no copter")],
+)
+def test_a_plan_for_another_kind_of_vehicle_says_so(tmp_path, kind, words):
+    """Planes circle where copters stop; for copters of any size nothing is said."""
+    path = plan(tmp_path, lambda d: d["mission"].update(vehicleType=kind))
+    assert f"was made for {words} (vehicleType {kind!r})" in " ".join(read_mission(path).notes)
+    path = plan(tmp_path, lambda d: d["mission"].update(vehicleType=13))
+    assert "vehicleType" not in " ".join(read_mission(path).notes)
+
+
+@pytest.mark.parametrize("command", [21, 22])
+def test_an_open_place_of_take_off_or_landing_is_named(tmp_path, command):
+    """Both take 0 for "here"; it is said which, and of which item."""
+
+    def change(document):
+        document["mission"]["items"][1]["command"] = command
+        document["mission"]["items"][1]["params"][4] = None
+
+    (note,) = read_mission(plan(tmp_path, change)).notes
+    assert note.endswith(
+        f"item 2: the latitude of command {command} left open: 0 is written, where it is"
+    )
+    row = f"2 0 3 {command} 0 0 0 0 nan nan 60 1"
+    (note,) = read_mission(wpl(tmp_path, HOME, UP, row)).notes
+    assert f"the latitude and longitude of command {command} left open" in note
+
+
+def test_an_open_height_of_home_is_the_same_in_both_formats(tmp_path):
+    """0 m, and it is said."""
+    row = "2 0 3 16 0 0 0 0 46.2001 7.6001 60 1"
+    both = [
+        wpl(tmp_path, HOME.replace("1500", "nan"), UP, row),
+        plan(tmp_path, lambda d: d["mission"].update(plannedHomePosition=[46.2, 7.6, None])),
+    ]
+    for path in both:
+        mission = read_mission(path)
+        assert (mission.items[0].lat_deg, mission.items[0].z) == (46.2, 0.0)
+        assert mission.notes == (f"{path}: the altitude of home is left open, 0 m is written",)
