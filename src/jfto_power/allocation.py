@@ -93,6 +93,14 @@ class PowerProblem:
                 f"power interval of UAV {uav} in slot {slot} is [{low[slot, uav]}, "
                 f"{high[slot, uav]}] W, must be ordered, finite and not negative."
             )
+        if self.adjacency.shape[1] == self.adjacency.shape[2]:
+            itself = np.argwhere(np.diagonal(self.adjacency, axis1=1, axis2=2))
+            # One UAV with its own row alone may listen to another one.
+            if itself.size and self.adjacency.shape[1] > 1:
+                slot, uav = itself[0]
+                raise InputError(
+                    f"adjacency links UAV {uav} to itself in slot {slot}; clear the diagonal."
+                )
         if not (np.isfinite(gain) | ~self.adjacency).all() or (gain < 0).any():
             raise InputError("gain holds values that are negative or not finite on a link.")
 

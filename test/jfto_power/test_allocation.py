@@ -111,7 +111,7 @@ def test_slot_zero_follows_the_level_without_paying():
 
 def test_slack_budget_means_full_power_and_no_price():
     """Where energy does not bind, powers are at their upper bounds and a joule is worth nothing."""
-    linked = np.ones((3, 2, 2), dtype=bool)
+    linked = ~np.eye(2, dtype=bool)[None].repeat(3, axis=0)
     gain = np.full((3, 2, 2), 1e-8)
     low, high = np.full((3, 2), 0.1), np.full((3, 2), 0.4)
     best = allocate(PowerProblem(linked, gain, low, high, [10.0, 0.5], 1.0, Radio()))
@@ -175,7 +175,7 @@ def test_plan_of_slot_zero_alone():
 def shortage_case():
     """UAV 1 holds two of three slots, UAV 2 all, UAV 3 none."""
     low = np.array([[9.0, 0, 9], [0.2, 0.1, 1], [0.2, 0.1, 1], [0.2, 0.1, 1]])
-    linked = np.ones((4, 3, 3), dtype=bool)
+    linked = ~np.eye(3, dtype=bool)[None].repeat(4, axis=0)
     linked[:, [0, 1, 2], [0, 1, 2]] = False
     gain = np.full((4, 3, 3), 1e-8)
     return linked, gain, low, low + 0.5, np.array([0.5, 9.0, 0.9]), 1.0, Radio()
@@ -212,6 +212,7 @@ def test_prefix_gets_the_best_allocation_and_nothing_after():
         ({0: np.ones((3, 3), dtype=bool)}, "adjacency has shape"),
         ({1: np.ones((4, 3, 2))}, "and gain"),
         ({1: np.full((4, 3, 3), np.nan)}, "gain holds values"),
+        ({0: np.ones((4, 3, 3), dtype=bool)}, "links UAV 0 to itself in slot 0; clear the diag"),
         ({2: np.ones((3, 3))}, "p_low_w has shape"),
         ({2: np.full((4, 3), 2.0), 3: np.full((4, 3), 1.0)}, "UAV 0 in slot 0"),
         ({2: np.full((4, 3), np.nan)}, "UAV 0 in slot 0"),

@@ -88,6 +88,18 @@ class FlightFacts:
         return f" but up to {self.worst_late_s:.1f} s later than planned"
 
     @property
+    def slots_in_words(self) -> str:
+        """How many slots are clean, and how many nothing is known of."""
+        share = f"{100 * self.certificate.clean_share:.1f} %"
+        missing = self.plan.slots.count - self.grid.slots
+        if missing <= 0:
+            return f"{share} of slots clean"
+        return (
+            f"{share} of the {self.grid.slots} slots on record clean, the other {missing} of "
+            f"{self.plan.slots.count} not flown or not recorded"
+        )
+
+    @property
     def worst_closest_m(self) -> float:
         """The greatest distance at which a waypoint was passed."""
         return max((one.closest_m for one in self.passages), default=0.0)
@@ -98,7 +110,7 @@ class FlightFacts:
         away = f"{away_m:.1f} m" if np.isfinite(away_m) else "some never passed"
         return (
             f"worst {self.worst_late_s:+.1f} s and {away}, "
-            f"{100 * self.certificate.clean_share:.1f} % of slots clean{self.shifted}, "
+            f"{self.slots_in_words}{self.shifted}, "
             f"{self.throughput.in_words}"
         )
 

@@ -136,6 +136,7 @@ class Client:
     def take_progress(self) -> None:
         """Hand the last pose of each UAV, and how far its autopilot has come, to the tracker."""
         for uav, vehicle in self.fleet().uavs.items():
+            self._tracker.take_linked(uav, linked=vehicle.linked)
             self._tracker.take_reached(uav, vehicle.reached, vehicle.late_s)
         poses = dict(self._poses)
         self._poses.clear()

@@ -279,12 +279,18 @@ def _indices(
     problem: RoutingProblem, routes: Sequence[Sequence[int]]
 ) -> tuple[tuple[int, ...], ...]:
     """Routes as ints that exist: one that counts from the end would be another's waypoint."""
+    if not isinstance(routes, Sequence | np.ndarray) or isinstance(routes, str):
+        raise InputError(
+            f"routes is {routes!r}; give one sequence of indices per UAV, as SearchResult.routes."
+        )
     if len(routes) != problem.uav_count:
         raise InputError(
             f"routes has {len(routes)} entries for {problem.uav_count} UAVs; give one each."
         )
     checked = []
     for a, route in enumerate(routes):
+        if not isinstance(route, Sequence | np.ndarray) or isinstance(route, str):
+            raise InputError(f"routes[{a}] is {route!r}, must be a sequence of indices.")
         places = [whole_number(f"routes[{a}][{k}]", index) for k, index in enumerate(route)]
         for k, index in enumerate(places):
             if not 0 <= index < problem.waypoint_count:

@@ -8,6 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
+from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.records.radio import Radio
 from jfto_msgs_py.types import Array
 from jfto_msgs_py.units import SPEED_OF_LIGHT_MPS, db_to_ratio
@@ -40,7 +41,13 @@ class LogDistanceChannel:
     exponent: float = 2.0
 
     def gain(self, distance_m: Array) -> Array:
-        """Linear power gain h of links of the given length in metres, any shape."""
+        """Linear power gain h of links of the given length in metres, any shape.
+
+        NaN where the length is; raises InputError for lengths below 0.
+        """
+        if np.any(np.asarray(distance_m) < 0):
+            shortest_m = float(np.nanmin(distance_m))
+            raise InputError(f"distance_m holds {shortest_m:g} m; lengths of links are 0 or more.")
         return self.gain_at_1_m / np.maximum(distance_m, NEAR_FIELD_M) ** self.exponent
 
     def reach(self, power_w: Array, sensitivity_w: float) -> Array:

@@ -68,6 +68,8 @@ def test_pair_reach_is_the_lesser_range(make_problem):
         (((0, -1), (), (), ()), r"routes\[0\]\[1\] is -1, must be from 0 to"),
         (((), (99,), (), ()), r"routes\[1\]\[0\] is 99, must be from 0 to"),
         (((True,), (), (), ()), r"routes\[0\]\[0\] is True, must be a whole number"),
+        (5, "routes is 5; give one sequence"),
+        (((0,), 5, (), ()), r"routes\[1\] is 5, must be a sequence"),
         (((0,),), "routes has 1 entries for 4 UAVs"),
     ],
 )

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from jfto_msgs_py.records.event import Event
 
 # What a UAV does, in the words that the operator reads.
-UNHEARD, PAD, FLYING, HOLDING, HOME, LANDED, SILENT = (
+UNHEARD, UNPLACED, PAD, FLYING, HOLDING, HOME, LANDED, SILENT = (
     "not heard",
+    "no position yet",
     "on pad",
     "flying",
     "holding",
@@ -86,9 +87,22 @@ class FlightState:
 
     @property
     def weakest(self) -> tuple[str, str, float] | None:
-        """The link with the least to spare, None without links."""
-        links = [(uav.id, link.peer, link.spare_db) for uav in self.uavs for link in uav.links]
-        return min(links, key=lambda link: link[2], default=None)
+        """The link with the least to spare of those that hold, None without any."""
+        holding = [link for link in self._links if link[2] >= 0]
+        return min(holding, key=lambda link: link[2], default=None)
+
+    @property
+    def broken(self) -> tuple[tuple[str, str, float], ...]:
+        """Links of the topology that do not hold, each once, the worst first."""
+        found: dict[frozenset[str], tuple[str, str, float]] = {}
+        for link in self._links:
+            if link[2] < 0:
+                found.setdefault(frozenset(link[:2]), link)
+        return tuple(sorted(found.values(), key=lambda link: link[2]))
+
+    @property
+    def _links(self) -> list[tuple[str, str, float]]:
+        return [(uav.id, link.peer, link.spare_db) for uav in self.uavs for link in uav.links]
 
     @property
     def done(self) -> int:

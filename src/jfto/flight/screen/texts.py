@@ -127,14 +127,25 @@ def spare(link: LinkState) -> Text:
 
 
 def network(state: FlightState) -> Text:
-    """Whether all are linked, and the weakest link."""
+    """Whether all are linked, which links of the topology are down, and the weakest that holds."""
     text = Text()
+    if len(state.uavs) == 1:
+        return text.append("fleet of one: no links", SOFT)
     if state.parts == 1:
         text.append("✓ all linked", GOOD)
     elif state.parts > 1:
         text.append(f"✗ in {state.parts} parts", BAD)
     else:
-        return text.append("no links yet", SOFT)
+        landed = all(uav.phase == LANDED for uav in state.uavs)
+        return text.append(
+            "all down: links are no longer needed" if landed else "no links yet", SOFT
+        )
+    broken = state.broken
+    if broken:
+        a, b, _ = broken[0]
+        more = f" and {len(broken) - 1} more" if len(broken) > 1 else ""
+        over = " by way of others" if state.parts == 1 else ""
+        text.append(f"{over}; ✗ {a}–{b}{more} down", BAD)
     weakest = state.weakest
     if weakest is not None:
         a, b, decibels = weakest

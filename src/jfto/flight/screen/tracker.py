@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jfto.flight.screen import phases
-from jfto.flight.screen.state import FlightState, LinkState, UavState
+from jfto.flight.screen.state import UNHEARD, UNPLACED, FlightState, LinkState, UavState
 from jfto_msgs_py.records.event import Event
 from jfto_msgs_py.records.network import Adjacency
 from jfto_msgs_py.records.plan import Plan
@@ -44,6 +44,7 @@ class FlightTracker:
         self._power_w: dict[str, float] = {}
         self._battery: dict[str, float] = {}
         self._landed: set[str] = set()
+        self._linked: dict[str, bool] = {}
         self._reached: dict[str, tuple[int, float | None]] = {}
         # How late each was that has done its route.
         self._finished: dict[str, float] = {}
@@ -67,6 +68,10 @@ class FlightTracker:
         """A measured pose; one older than the last is ignored."""
         if self._prediction.set_pose(uav, pose):
             self._poses[uav] = pose
+
+    def take_linked(self, uav: str, *, linked: bool) -> None:
+        """Whether the vehicle is heard, as the bridge has it."""
+        self._linked[uav] = linked
 
     def take_reached(self, uav: str, count: int, late_s: float | None) -> None:
         """So many waypoints its autopilot has reported, the last of them so late.
@@ -158,6 +163,8 @@ class FlightTracker:
         phase = phases.phase_of(
             self._plan, index, pose, age_s, clock_s, done, landed=uav.id in self._landed
         )
+        if phase == UNHEARD and self._linked.get(uav.id):
+            phase = UNPLACED
         return UavState(
             id=uav.id,
             index=index,

@@ -9,10 +9,13 @@ import pytest
 from rich.console import Console as RichConsole
 
 from jfto.console.console import Console
+from jfto.flight.screen import texts
 from jfto.flight.screen.screen import LINE_EVERY_S, FlightScreen, state_line
 from jfto.flight.screen.selection import shown_events
 from jfto.flight.screen.state import (
     FLYING,
+    LANDED,
+    PAD,
     SILENT,
     FlightState,
     LinkState,
@@ -66,7 +69,19 @@ def test_links_are_marked_where_little_is_to_spare() -> None:
     lines = _drawn(_state(uav1=_uav(0, links=links), uav2=_uav(1, links=alone)))
     assert "uav9 -0.6✗  uav8 0.4!  uav7 7.0" in _row(lines, "uav1")
     assert "✗ 1 of 2" in _row(lines, "uav2")
-    assert any("weakest uav1–uav9 -0.6✗ dB" in line for line in lines)
+    said = "✓ all linked by way of others; ✗ uav1–uav9 down   weakest uav1–uav8 0.4! dB"
+    assert any(said in line for line in lines)
+
+
+def test_without_links_it_is_said_why() -> None:
+    """Before the first, after the last, and for a fleet of one."""
+    waits = tuple(_uav(k, phase=PAD, links=()) for k in range(3))
+    state = replace(_state(), parts=0, uavs=waits)
+    assert texts.network(state).plain == "no links yet"
+    down = replace(state, uavs=tuple(replace(uav, phase=LANDED) for uav in waits))
+    assert texts.network(down).plain == "all down: links are no longer needed"
+    one = replace(state, uavs=(replace(waits[0], phase=FLYING),), parts=1)
+    assert texts.network(one).plain == "fleet of one: no links"
 
 
 def test_energy_and_silence_have_words() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from jfto.flight.screen import texts
-from jfto.flight.screen.state import FLYING, HOLDING, LANDED, PAD, SILENT, UNHEARD
+from jfto.flight.screen.state import FLYING, HOLDING, LANDED, PAD, SILENT, UNHEARD, UNPLACED
 from jfto.flight.screen.tracker import FlightTracker
 from jfto.pipeline.run import Run
 from jfto_msgs_py.records.event import WARN, Event
@@ -49,6 +49,9 @@ def test_a_fleet_on_its_pads_waits(plan: Plan) -> None:
     tracker.take_pose("uav1", VehiclePose(_at(-9.0), plan.uavs[0].start_m, 0.0))
     state = tracker.state(_at(-8.0))
     assert [uav.phase for uav in state.uavs] == [PAD, UNHEARD, UNHEARD, UNHEARD]
+    tracker.take_linked("uav2", linked=True)
+    again = tracker.state(_at(-8.0))
+    assert [uav.phase for uav in again.uavs] == [PAD, UNPLACED, UNHEARD, UNHEARD]
     assert state.doing == "waiting for lift-off"
     assert (state.clock_s, state.uavs[0].late_s, state.done) == (None, None, 0)
 
