@@ -225,6 +225,13 @@ def test_a_file_cut_after_its_first_line_is_refused(tmp_path):
             read_mission(wpl(tmp_path, header=header))
 
 
+def test_an_empty_mission_is_written_with_home(tmp_path):
+    """And comes back empty, in both formats."""
+    empty = read_mission(plan(tmp_path, lambda d: d["mission"].update(items=[])))
+    write_mission(tmp_path / "n.waypoints", empty)
+    assert read_mission(tmp_path / "n.waypoints").items == ()
+
+
 @pytest.mark.parametrize(
     "rows", [(UP,), ("1 0 3 178 1 5 -1 0 0 0 0 1", UP.replace("1 0", "2 0", 1))]
 )
