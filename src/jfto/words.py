@@ -66,6 +66,18 @@ def way_home(plan: Plan) -> str:
     )
 
 
+def fence(plan: Plan) -> str:
+    """What a plan keeps out of and in, and by how much; "" where nobody says."""
+    if plan.fence is None:
+        return ""
+    zones, parts = len(plan.fence.keep_out), len(plan.fence.keep_in)
+    texts = [f"{zones} no-fly zone{'s' * (zones > 1)}"] if zones else []
+    texts += [f"{parts} area{'s' * (parts > 1)} to stay in"] if parts else []
+    passed = len(plan.waypoints) - plan.photo_count
+    way = f"{passed} points passed on ways round" if passed else "no way round needed"
+    return f"{' and '.join(texts)}, kept by {plan.fence.margin_m:g} m; {way}"
+
+
 def made_for(plan: Plan) -> str:
     """The wind that a plan was made for."""
     if plan.wind_mps > 0:

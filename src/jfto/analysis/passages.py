@@ -22,7 +22,11 @@ _FLY_BY_S = 3.0
 
 
 def passages_of(flight: RecordedFlight, plan: Plan) -> tuple[Passage, ...]:
-    """Every waypoint of the plan, UAV by UAV in the order of the routes."""
+    """Every waypoint to be visited, UAV by UAV in the order of the routes.
+
+    Those that are only passed tell when the next is to be looked for.
+    """
+    photos = {waypoint.id for waypoint in plan.waypoints if waypoint.photo}
     where = {waypoint.id: np.array(waypoint.position_m) for waypoint in plan.waypoints}
     found = []
     for uav, route, motion in zip(plan.uavs, plan.routes, motions(plan), strict=True):
@@ -32,7 +36,8 @@ def passages_of(flight: RecordedFlight, plan: Plan) -> tuple[Passage, ...]:
         for number, planned_s in zip(route.waypoint_ids, route.arrival_s, strict=True):
             one = _passage(track, planned, where[number], planned_s, late_s, after_s)
             reached_s, closest_m = one
-            found.append(Passage(uav.id, number, planned_s, reached_s, closest_m))
+            if number in photos:
+                found.append(Passage(uav.id, number, planned_s, reached_s, closest_m))
             if reached_s is not None and closest_m <= VISITED_M:
                 late_s, after_s = reached_s - planned_s, reached_s
     return tuple(found)

@@ -68,7 +68,7 @@ def _print(checked: Checked, path: Path) -> None:
     certificate, sortie = read.certificate, read.sortie
     assert certificate is not None
     part = f", sortie {sortie.number} of {sortie.count}" if sortie.count > 1 else ""
-    click.echo(f"{path}: {len(read.uavs)} UAVs, {len(read.waypoints)} waypoints{part}")
+    click.echo(f"{path}: {len(read.uavs)} UAVs, {read.photo_count} waypoints{part}")
     facts = {
         "neighbours": f"{certificate.slot_violations} of {certificate.slot_checks} slot checks "
         f"violated, {certificate.fine_violations} violations at 10 × finer sampling",
@@ -77,6 +77,7 @@ def _print(checked: Checked, path: Path) -> None:
         "length": f"{read.total_length_m / 1000:.2f} km, {read.length_max_m / 1000:g} km allowed",
         "duration": words.flight_time(read),
         "way home": words.way_home(read) or "not planned: older plan, or written by others",
+        "fence": words.fence(read) or "none given",
         "ground": checked.ground,
         **({} if checked.coverage is None else _seen(checked.coverage)),
         "battery": _battery(read),

@@ -141,6 +141,9 @@ def plan_routes(
         progress.warn(note)
     good = best.plan.clean
     progress.end("routes", f"{best.plan.total_length_m / 1000:.2f} km", _proof(best), good=good)
+    if fence := words.fence(best.plan):
+        kept = not any(v.kind in ("keep_out", "keep_in") for v in best.certificate.violations)
+        progress.end("fence", "kept" if kept else "broken", fence, good=kept)
     progress.end("way home", f"{best.plan.landed_s or 0.0:.0f} s", _homeward(best.plan), good=good)
     return best
 

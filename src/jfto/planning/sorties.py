@@ -236,7 +236,7 @@ def _shares(plan: Plan) -> Iterator[list[float]]:
 
 
 def _in_words(plan: Plan) -> tuple[str, str]:
-    detail = f"{len(plan.waypoints)} waypoints, {100 * fullness(plan):.0f} % of what there is"
+    detail = f"{plan.photo_count} waypoints, {100 * fullness(plan):.0f} % of what there is"
     return (
         f"{plan.total_length_m / 1000:.2f} km",
         f"{detail}, all landed after {plan.landed_s or 0.0:.0f} s",

@@ -86,7 +86,7 @@ class ReportContent:
     def title(self) -> str:
         """What was planned, in a few words."""
         count = len(self.plan.uavs)
-        return f"{count} UAV{'s' * (count != 1)} over {len(self.plan.waypoints)} waypoints"
+        return f"{count} UAV{'s' * (count != 1)} over {self.plan.photo_count} waypoints"
 
 
 def report_page(content: ReportContent) -> str:

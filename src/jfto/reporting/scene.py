@@ -11,6 +11,7 @@ from jfto.analysis.facts import FlightFacts
 from jfto.analysis.grid import FINER
 from jfto.analysis.motion import motions
 from jfto.analysis.record import Track
+from jfto.reporting.figures.fence import fence_scene
 from jfto.reporting.figures.map import area_rings, drawn_extent, sampled_ground
 from jfto.reporting.palette import uav_colour
 from jfto_msgs_py.files import plain
@@ -44,6 +45,7 @@ def scene_data(
     return {
         "terrain": {"x": _short(x), "y": _short(y), "z": _short(z)},
         "area": [] if dem is None else [_short(on_ground(r, dem)) for r in area_rings(plan.area)],
+        "fence": plain(fence_scene(plan.fence, dem, float(plan.positions_m[..., 2].max())), 1),
         "duration": plan.slots.duration_s,
         "uavs": [
             {

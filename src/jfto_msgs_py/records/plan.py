@@ -167,6 +167,11 @@ class Plan:
         return float(sum(route.length_m for route in self.routes))
 
     @property
+    def photo_count(self) -> int:
+        """How many waypoints are to be visited; the others are only passed."""
+        return sum(waypoint.photo for waypoint in self.waypoints)
+
+    @property
     def landed_s(self) -> float | None:
         """When the last UAV stands at its pad, s from lift-off; None without planned ways home."""
         return max((home.landed_s for home in self.homes), default=None)

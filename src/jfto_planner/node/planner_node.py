@@ -228,7 +228,7 @@ class PlannerNode(GraphNode[PlannerOptions]):
         assert lift_off is not None
         at = f"at {lift_off.start_ns / 1e9:.3f} s"
         return (
-            f"{len(plan.waypoints)} waypoints, {plan.total_length_m / 1000:.2f} km, "
+            f"{plan.photo_count} waypoints, {plan.total_length_m / 1000:.2f} km, "
             f"{plan.slots.count} slots of {plan.slots.duration_s:.3f} s, "
             f"lift-off {'awaited' if lift_off.awaited else at}"
         )

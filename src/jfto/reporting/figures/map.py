@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.transforms import ScaledTranslation, Transform
 
+from jfto.reporting.figures.fence import draw_fence
 from jfto.reporting.figures.style import PAGE_WIDTH_IN, new_figure
 from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.records.site import Polygon
@@ -29,6 +30,7 @@ def new_map(plan: Plan, dem: Dem, fade: float = 0.0) -> tuple[Figure, Axes]:
     figure = new_figure(PAGE_WIDTH_IN, min(8.5, 0.59 * PAGE_WIDTH_IN * ratio + 0.5))
     axes = figure.add_subplot()
     draw_relief(axes, dem, extent, fade)
+    draw_fence(axes, plan.fence, plan.origin)
     axes.set_xlabel("East of origin (m)")
     axes.set_ylabel("North of origin (m)")
     return figure, axes

@@ -26,6 +26,10 @@
     x: ring.map((p) => p[0]), y: ring.map((p) => p[1]), z: ring.map((p) => p[2]),
     line: { color: "#1c2430", width: 4, dash: "dash" },
   }));
+  SCENE.fence.forEach((zone) => traces.push({
+    type: "surface", x: zone.x, y: zone.y, z: zone.z, opacity: 0.35, showscale: false, hoverinfo: "name",
+    colorscale: [[0, "#A50034"], [1, "#A50034"]], name: zone.name,
+  }));
   SCENE.uavs.forEach((uav) => traces.push({
     type: "scatter3d", mode: "lines", name: uav.id + " flight",
     x: uav.path.map((p) => p[0]), y: uav.path.map((p) => p[1]), z: uav.path.map((p) => p[2]),
