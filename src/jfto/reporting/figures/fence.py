@@ -50,6 +50,12 @@ def draw_fence(axes: Axes, fence: Fence | None, origin: Origin) -> None:
             color=TROUBLE_COLOUR,
             zorder=7,
             annotation_clip=True,
+            bbox={
+                "boxstyle": "round,pad=0.15",
+                "facecolor": "white",
+                "edgecolor": "none",
+                "alpha": 0.8,
+            },
         )
     rings = [ring for part in fence.keep_in for ring in (part.outer, *part.holes)]
     for index, corners in enumerate(rings):

@@ -24,11 +24,13 @@ from jfto_world.terrain import Dem
 def route_map(plan: Plan, dem: Dem) -> Figure:
     """Hillshade, routes with their direction, waypoints and pads."""
     figure, axes = new_map(plan, dem)
+    photos = {waypoint.id for waypoint in plan.waypoints if waypoint.photo}
     for index, (uav, route) in enumerate(zip(plan.uavs, plan.routes, strict=True)):
         line = plan.line_m(index)
         colour = uav_colour(index)
         axes.plot(*line[:, :2].T, color="white", linewidth=2.6, alpha=0.85, zorder=3)
-        label = f"{uav.id}  {route.length_m / 1000:.2f} km, {len(route.waypoint_ids)} waypoints"
+        count = len(photos.intersection(route.waypoint_ids))
+        label = f"{uav.id}  {route.length_m / 1000:.2f} km, {count} waypoints"
         axes.plot(
             *line[:, :2].T,
             **uav_style(index, 3.4),
