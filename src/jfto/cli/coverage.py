@@ -45,6 +45,12 @@ def command(loaded: LoadedScenario, out: Path | None, as_json: bool) -> int:
     click.echo(f"Terrain     {found.dem.description}")
     if loaded.scenario.waypoints.source not in ("coverage", "file"):
         click.echo(f"Seen        {100 * found.coverage.certificate.seen_once:.1f} % of the area")
+    if found.coverage.heading_deg is not None:
+        surface_m2 = found.coverage.certificate.surface_m2
+        click.echo(
+            f"Area        {surface_m2 / 1e4:.1f} ha of surface, rows head "
+            f"{found.coverage.heading_deg:.0f}°"
+        )
     for name, pairs in (
         ("σ_h", found.coverage.overlaps.across),
         ("σ_v", found.coverage.overlaps.along),

@@ -26,6 +26,8 @@ _LIBRARIES = (
     "pymavlink",
     "rosbags",
     "rasterio",
+    "pyogrio",
+    "shapely",
     "pyproj",
     "matplotlib",
     "plotly",
@@ -43,6 +45,7 @@ _OPTIONAL = {
     "clarabel": "the reference power solver",
     "pymavlink": "flight",
     "rosbags": "recording bags",
+    "pyogrio": "files of areas and no-fly zones",
 }
 
 

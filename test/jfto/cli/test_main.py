@@ -14,7 +14,19 @@ from jfto.cli import main
 from jfto.cli.main import COMMANDS
 from jfto.pipeline.run import Run
 
-HEAVY = ("numpy", "scipy", "numba", "torch", "matplotlib", "rasterio", "yaml", "rich", "plotly")
+HEAVY = (
+    "numpy",
+    "scipy",
+    "numba",
+    "torch",
+    "matplotlib",
+    "rasterio",
+    "pyogrio",
+    "shapely",
+    "yaml",
+    "rich",
+    "plotly",
+)
 ROOT = Path(__file__).parents[3]
 
 
