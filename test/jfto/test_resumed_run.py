@@ -19,6 +19,9 @@ from jfto.planning.routes import plan_routes
 from jfto.planning.scenario_file import load_scenario
 from jfto.planning.survey import survey
 from jfto.simulation.fleet import vehicle_configs
+from jfto.supervision.graph_table import FLIGHT_STATE_NAME
+from jfto_mavlink.fleet.monitor import FlightState
+from jfto_mavlink.fleet.watched_flight import write_flight_state
 from jfto_msgs_py.plan_file import write_plan
 from support.vehicles import Vehicles
 
@@ -111,3 +114,10 @@ def test_there_must_be_something_to_resume(tmp_path: Path, tiny: Path, capsys) -
     (tmp_path / "plan" / "flight_job.json").write_text(json.dumps(job))
     assert main(["run", "--resume", str(tmp_path / "plan")]) == 2
     assert "jfto report" in capsys.readouterr().err
+    write_flight_state(
+        FlightState({}, 1, {"uav1": "landed"}, over=True), tmp_path / "plan" / FLIGHT_STATE_NAME
+    )
+    assert main(["run", "--resume", str(tmp_path / "plan")]) == 2
+    said = capsys.readouterr().err
+    assert "its flight is over" in said
+    assert "ended with their graph" not in said

@@ -7,12 +7,15 @@ from contextlib import contextmanager
 
 from rich.progress import BarColumn, TaskID, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bars
+from rich.table import Column
 
 from jfto.console.console import BAD, GOOD, WARNING, Console
 from jfto.console.progress import Progress
 
 _STAGE_WIDTH = 11
 _RESULT_WIDTH = 16
+# Below this a full bar leaves no room for what is said beside it.
+_WIDE = 110
 
 
 class StageProgress(Progress):
@@ -21,11 +24,12 @@ class StageProgress(Progress):
     def __init__(self, console: Console) -> None:
         self.console = console
         self._bars = Bars(
-            TextColumn("  {task.description}"),
-            BarColumn(bar_width=32),
+            # Words before bars: a narrow terminal gets a shorter bar, and its lines are folded.
+            TextColumn("  {task.description}", table_column=_folded()),
+            BarColumn(bar_width=32 if console.rich.width >= _WIDE else 8),
             TextColumn("{task.percentage:3.0f} %"),
             TimeRemainingColumn(compact=True),
-            TextColumn("{task.fields[note]}", markup=False),
+            TextColumn("{task.fields[note]}", markup=False, table_column=_folded()),
             console=console.rich,
         )
         self._task: TaskID | None = None
@@ -57,6 +61,10 @@ class StageProgress(Progress):
         if self._task is not None:
             self._bars.remove_task(self._task)
             self._task = None
+
+
+def _folded() -> Column:
+    return Column(no_wrap=False, overflow="fold")
 
 
 @contextmanager

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from rich.progress import BarColumn, MofNCompleteColumn, TaskID, TextColumn
 from rich.progress import Progress as Bars
+from rich.table import Column
 
 from jfto.console.console import Console
 
@@ -24,7 +25,11 @@ class VehicleProgress:
             TextColumn("{task.fields[uav]:<8}"),
             BarColumn(24),
             MofNCompleteColumn(),
-            TextColumn("{task.description}", markup=False),
+            TextColumn(
+                "{task.description}",
+                markup=False,
+                table_column=Column(no_wrap=False, overflow="fold"),
+            ),
             console=console.rich,
         )
         self._tasks: dict[str, TaskID] = {}

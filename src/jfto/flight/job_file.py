@@ -8,8 +8,9 @@ from pathlib import Path
 from jfto.flight.job import FlightJob
 from jfto.flight.settings import ConductSettings
 from jfto.supervision.graph import environment
-from jfto.supervision.graph_table import JOB_NAME
+from jfto.supervision.graph_table import FLIGHT_STATE_NAME, JOB_NAME, PARAMETERS_NAME
 from jfto.supervision.process import NodeCommand
+from jfto_mavlink.fleet.watched_flight import is_over
 from jfto_msgs_py.errors import InputError
 from jfto_msgs_py.files import FileKind, read_record, write_record
 from jfto_msgs_py.records.plan import Plan
@@ -50,12 +51,20 @@ def write_job(job: FlightJob) -> None:
 def resumed_job(directory: Path, plan: Plan) -> FlightJob:
     """The job of a flight that goes on though whoever conducted it is gone.
 
-    Raises InputError where there is none, or its vehicles were simulated by the graph that ended.
+    Raises InputError where there is none, it is over, or its vehicles were simulated by the graph
+    that ended.
     """
     path = directory / JOB_NAME
     if not path.exists():
         raise InputError(f"{directory}: no flight was begun there that could be resumed.")
     kept = read_record(path, _Job, _KIND)
+    # Parameters that are still to be put back are a reason to look at vehicles that are down.
+    unfinished = (directory / PARAMETERS_NAME).exists() and not kept.simulated
+    if is_over(directory / FLIGHT_STATE_NAME) and not unfinished:
+        raise InputError(
+            f"{directory}: its flight is over: all were down, nothing is left to resume. jfto "
+            f"report {directory} tells of it."
+        )
     if kept.simulated:
         raise InputError(
             f"{directory}: its vehicles were simulated and ended with their graph. Nothing is left "

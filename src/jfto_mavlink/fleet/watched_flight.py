@@ -235,6 +235,11 @@ def write_flight_state(state: FlightState, path: Path) -> None:
     write_record(state, path, _STATE_FILE)
 
 
+def is_over(path: Path) -> bool:
+    """Whether the flight was said to be over whose state is in a file; raises InputError."""
+    return path.exists() and read_record(path, FlightState, _STATE_FILE).over
+
+
 def read_flight_state(digests: Mapping[str, str], path: Path) -> FlightState | None:
     """The state of a flight of these very missions; None where there is none or it is another's.
 

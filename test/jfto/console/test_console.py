@@ -70,6 +70,23 @@ def test_stages_leave_one_line_each() -> None:
     ]
 
 
+def test_what_a_stage_does_is_readable_in_80_columns() -> None:
+    """No word is cut off; the bar gives way, and lines are folded."""
+    doing = "reading the bag, holding it against the plan"
+    note = "1.34 km, 12 violations left, 3 rounds to go"
+    console, file = _on(terminal=True)
+    with console:
+        stages = StageProgress(console)
+        stages.begin("as flown", doing)
+        stages.advance(0.5, note)
+        console.show(stages._bars)
+        console.rich.print(stages._bars.get_renderable())
+    drawn = " ".join(Text.from_ansi(file.getvalue()).plain.split())
+    assert "…" not in drawn
+    words = set(drawn.split())
+    assert set(doing.split()) | set(note.split()) <= words
+
+
 @pytest.mark.parametrize("quiet", [True, False])
 def test_results_and_progress_go_to_different_places(
     capsys: pytest.CaptureFixture[str], *, quiet: bool
