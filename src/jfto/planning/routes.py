@@ -137,6 +137,11 @@ def plan_routes(
             break
         problem, warm = tightened(problem, plan), result.routes
     assert best is not None
+    _tell(best, progress)
+    return best
+
+
+def _tell(best: Planned, progress: Progress) -> None:
     if note := trigger_note(best.plan):
         progress.warn(note)
     good = best.plan.clean
@@ -145,7 +150,6 @@ def plan_routes(
         kept = not any(v.kind in ("keep_out", "keep_in") for v in best.certificate.violations)
         progress.end("fence", "kept" if kept else "broken", fence, good=kept)
     progress.end("way home", f"{best.plan.landed_s or 0.0:.0f} s", _homeward(best.plan), good=good)
-    return best
 
 
 def _known(flight: Flight, plan: Plan) -> bool:

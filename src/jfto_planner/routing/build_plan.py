@@ -97,22 +97,22 @@ def build_plan(
     waypoints, uavs = terms.waypoints, terms.uavs
     records = tuple(rounded_record(trajectory.as_record()) for trajectory in trajectories)
     parameters: dict[str, float] = rounded_record(dict(time_parameters or {}))
-    flights: list[_Flight] = []
     lines = []
-    rows: list[tuple[Line, ...]] = [()] * len(uavs)
     for uav, route in zip(uavs, routes, strict=True):
         points = [uav.start_m, *(waypoints[index].position_m for index in route)]
         lines.append(np.array(points, dtype=np.float64))
+    rows: list[tuple[Line, ...]] = [()] * len(uavs)
     if records:
         flights = [_on_curve(Trajectory.from_record(record)) for record in records]
     else:
         model = time_model_named(time_model, parameters)
-        for a, (uav, route) in enumerate(zip(uavs, routes, strict=True)):
-            # Who stops for every photograph is told of every waypoint.
-            if not parameters.get("hold_s"):
-                on_route = [waypoints[index] for index in route]
-                rows[a] = _rows(model, lines[a], uav, on_route, terms.trigger)
-            flights.append(_by_model(along(model, rows[a]), lines[a], uav))
+        # Who stops for every photograph is told of every waypoint.
+        if not parameters.get("hold_s"):
+            rows = _rows_of(routes, terms, model, lines)
+        flights = [
+            _by_model(along(model, row), line, uav)
+            for row, line, uav in zip(rows, lines, uavs, strict=True)
+        ]
     horizon_s = terms.horizon_s
     if horizon_s is None:
         horizon_s = max(float(arrival[-1]) for arrival, _ in flights)
@@ -137,17 +137,19 @@ def build_plan(
     )
 
 
-def _rows(
-    model: TimeModel, line: Array, uav: Uav, on_route: Sequence[Waypoint], trigger: str
-) -> tuple[Line, ...]:
-    """Lines of a route on which one order takes all photographs."""
-    limits = MotionLimits(uav.speed_mps, uav.climb_mps, uav.descent_mps)
-    return trigger_lines(
-        on_route,
-        trigger,
-        uav.speed_mps,
-        lambda rows: along(model, rows).arrivals(line, limits)[1:],
-    )
+def _rows_of(
+    routes: Sequence[Sequence[int]], terms: PlanTerms, model: TimeModel, lines: Sequence[Array]
+) -> list[tuple[Line, ...]]:
+    """Lines of each route on which one order takes all photographs."""
+    found = []
+    for uav, route, line in zip(terms.uavs, routes, lines, strict=True):
+        on_route = [terms.waypoints[index] for index in route]
+
+        def flown(rows: tuple[Line, ...], line: Array = line, uav: Uav = uav) -> Array:
+            return _by_model(along(model, rows), line, uav)[0][1:]
+
+        found.append(trigger_lines(on_route, terms.trigger, uav.speed_mps, flown))
+    return found
 
 
 def with_passed(

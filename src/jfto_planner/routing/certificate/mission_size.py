@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from jfto_msgs_py.errors import InfeasibleError
 from jfto_msgs_py.records.certificate import Violation
 from jfto_msgs_py.records.plan import Plan, Waypoint
-from jfto_world.mission.encoding import Encoding
 from jfto_world.mission.lines import LOOK_DEG, PLACE_M, beside_m
 from jfto_world.mission.steps import AIM_DEG, STEEPEST_LOOK_DEG, mission_items, same_aim
 
@@ -126,10 +125,3 @@ def _ways_to_look(photos: Sequence[Waypoint]) -> int:
             taken.setdefault((row, column), []).append(photo)
             count += 1
     return count
-
-
-def items_each(plan: Plan, encoding: Encoding | None = None) -> float:
-    """Items per photograph, the whole fleet's missions taken together."""
-    photos = sum(len(route.waypoint_ids) for route in plan.routes)
-    items = sum(mission_items(plan, a, encoding) for a in range(len(plan.uavs)))
-    return items / max(photos, 1)
