@@ -7,10 +7,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from jfto_msgs_py.records.plan import Plan
+from jfto_msgs_py.records.plan import Plan, Uav
 from jfto_msgs_py.scenario.simulation import SimulationPart
 from jfto_sim import VehicleConfig
 from jfto_sim.air import Air, AirMember, AirSettings, FleetAir, Ground
+from jfto_sim.battery import HOVER_V
 from jfto_sim.server import SimServer
 from jfto_world.terrain import Dem
 from jfto_world.terrain.frame import LocalFrame
@@ -48,7 +49,7 @@ def vehicle_configs(
             home_lon_deg=pad[1],
             home_alt_m=pad[2],
             seed=errors.seed + n - 1,
-            parameters=FAILSAFES,
+            parameters=FAILSAFES | _pack(uav),
             gps_noise_m=errors.position_error_m,
             hesitation_s=hesitation_s,
             utc_at_boot_us=utc_ns // 1000,
@@ -58,6 +59,13 @@ def vehicle_configs(
             zip(plan.uavs, pads(plan), hesitations_s(len(plan.uavs), errors), strict=True), 1
         )
     ]
+
+
+def _pack(uav: Uav) -> dict[str, float]:
+    """The capacity of the battery that was planned with; what it takes to hover is its own."""
+    if uav.battery is None:
+        return {}
+    return {"BATT_CAPACITY": round(1000.0 * uav.battery.capacity_wh / HOVER_V)}
 
 
 class FleetTime:

@@ -16,6 +16,7 @@ from jfto.simulation.fleet import FleetTime, hesitations_s, vehicle_configs
 from jfto_mavlink.io.address import free_udp_port
 from jfto_msgs_py.errors import JftoError
 from jfto_msgs_py.plan_file import write_plan
+from jfto_msgs_py.records.battery import Battery
 from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.ros import qos, topics
 from jfto_msgs_py.ros.air import ARRAY_OF_TOPIC as AIR
@@ -205,3 +206,12 @@ def test_a_node_that_is_cleaned_up_has_no_vehicles_and_no_clock(tmp_path) -> Non
         node.trigger_activate()
         graph.until(lambda: ticks)
     assert decode_time(ticks[0].clock) >= before_ns
+
+
+def test_a_vehicle_has_the_battery_that_was_planned_with() -> None:
+    """Its capacity at 12.6 V; the vehicle's own default where nobody said."""
+    plan = _one_uav()
+    assert "BATT_CAPACITY" not in vehicle_configs(plan, 10**18)[0].parameters
+    battery = Battery(capacity_wh=126.0, hover_power_w=355.0, cruise_power_w=380.0)
+    plan = replace(plan, uavs=(replace(plan.uavs[0], battery=battery),))
+    assert vehicle_configs(plan, 10**18)[0].parameters["BATT_CAPACITY"] == 10_000
