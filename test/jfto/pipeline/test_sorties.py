@@ -7,13 +7,15 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from jfto.cli.main import main
 from jfto.pipeline.directory import FLIGHT_NAME, PLAN_NAME
 from jfto.pipeline.sortie_run import with_left_over
 from jfto.pipeline.sorties import left_over, save_sorties, sortie_directory
 from jfto.planning.scenario_file import LoadedScenario, load_scenario
-from jfto.planning.sorties import PlannedSorties, plan_sorties
+from jfto.planning.sorties import PlannedSorties, faults_together, plan_sorties
 from jfto.planning.survey import survey
 from jfto_mavlink.mission.build import build_missions
 from jfto_mavlink.mission.settings import settings_for
@@ -21,8 +23,10 @@ from jfto_msgs_py.errors import InfeasibleError, InputError
 from jfto_msgs_py.plan_file import plan_text, read_plan, write_plan
 from jfto_msgs_py.records.plan import Plan
 from jfto_msgs_py.records.site import Sortie
+from jfto_msgs_py.scenario.sorties import STARTS
 from jfto_world.mission.steps import mission_items
 
+TINY = Path(__file__).parents[2] / "data" / "scenario" / "tiny.yaml"
 # Half of what the tiny scene takes.
 SHORT = ["fleet.t_max_s=60"]
 
@@ -58,6 +62,23 @@ def test_the_same_seed_gives_the_same_bytes(short: LoadedScenario, plans) -> Non
     """Divisions, trials and searches have no chance in them but the seed."""
     again = plan_sorties(short.scenario, survey(short)).plans
     assert [plan_text(one) for one in again] == [plan_text(one) for one in plans]
+
+
+@settings(max_examples=5, deadline=None, derandomize=True)
+@given(st.integers(0, 500), st.integers(2, 14), st.integers(25, 110), st.sampled_from(STARTS))
+def test_any_scene_is_divided_whole(seed: int, count: int, latest_s: int, starts: str) -> None:
+    """Whatever the waypoints and the time: several sorties are clean and have each waypoint once;
+    one alone is the whole scene, and says what it breaks.
+    """
+    drawn = [f"waypoints.seed={seed}", f"waypoints.count={count}", f"sorties.starts={starts}"]
+    loaded = load_scenario(TINY, [*drawn, f"fleet.t_max_s={latest_s}"])
+    found = survey(loaded)
+    plans = plan_sorties(loaded.scenario, found).plans
+    ids = sorted(waypoint.id for plan in plans for waypoint in plan.waypoints)
+    assert ids == [waypoint.id for waypoint in found.waypoints]
+    assert len(plans) == 1 or all(plan.clean for plan in plans)
+    assert all(plan.certificate is not None for plan in plans)
+    assert faults_together(plans) == ()
 
 
 def test_one_flight_stays_one_plan(tiny: Path, tiny_survey) -> None:
