@@ -19,7 +19,7 @@ _EGM2008 = Product("EGM2008 geoid (mean sea level)")
 _NAVD88 = Product("NAVD88 (mean sea level)")
 _WGS84 = Product("ellipsoid of WGS 84", above_ellipsoid=True)
 
-# After the producers' handbooks; names as files have them when downloaded.
+# As the producers describe their products; names as files have them when downloaded.
 _NAMES = (
     (re.compile(r"Copernicus_DSM_", re.IGNORECASE), _EGM2008),  # GLO-30 and GLO-90
     (re.compile(r"[NS]\d{2}[EW]\d{3}_FABDEM", re.IGNORECASE), _EGM2008),
