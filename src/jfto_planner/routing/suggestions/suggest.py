@@ -173,6 +173,9 @@ class _Trials:
         problem = self.problem
         if problem.energy_floor is not None or problem.uav_count == MOST_UAVS:
             return
+        # Ways round no-fly zones are those of the pads as they are.
+        if problem.detours is not None:
+            return
         twin, pad = int(np.argmax(problem.reach_m)), free_pad(problem)
         larger = replace(
             problem,
@@ -192,6 +195,8 @@ class _Trials:
     def closer_starts(self, ground_height: GroundHeight | None) -> Iterator[Cure]:
         """Draw the pads together about their centre, as little as serves."""
         problem = self.problem
+        if problem.detours is not None:
+            return
         centre = problem.starts_m.mean(axis=0)
         for share in CLOSER:
             pads = drawn_together(problem, centre, share)
@@ -209,7 +214,7 @@ class _Trials:
     def less_clearance(self) -> Iterator[Cure]:
         """Where legs are closed for the ground, let them be flown."""
         exact = assess(self.problem, self.routes)
-        if exact.low_legs == 0:
+        if exact.low_legs == 0 or self.problem.detours is not None:
             return
         found = self._search(replace(self.problem, closed_legs=None), self.routes)
         if found.feasible:
