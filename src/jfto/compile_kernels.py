@@ -54,6 +54,7 @@ def _motion() -> None:
     plan_target(_POINTS, WpNav()).positions(np.zeros(1))
     fly_route(_POINTS[:2], WpNav())
     ArduCopter().leg_matrix(_POINTS, MotionLimits(5.0, 2.0, 2.0))
+    ArduCopter().chain_times(_POINTS, MotionLimits(5.0, 2.0, 2.0))
     still = np.zeros((2, 3))
     RouteProgress(TimedTrajectory(0, np.array([0, 10**9]), still, still, still))
     warm_up()

@@ -79,7 +79,8 @@ def make_tables(problem: RoutingProblem) -> Tables:
 def _most(problem: RoutingProblem) -> Array:
     if problem.most_waypoints is None:
         return np.full(problem.uav_count, np.inf)
-    return problem.most_waypoints
+    # A copy: kernels are compiled for arrays that may be written to, and would be once more.
+    return np.array(problem.most_waypoints)
 
 
 def _put(values: Array, others: Array) -> Array:

@@ -19,6 +19,8 @@ from jfto_world.terrain import Dem
 # Pale and almost without hue, so that routes stay the only saturated thing on the map.
 _PALE = LinearSegmentedColormap.from_list("relief", ["#cfdcc6", "#e9e3cf", "#f1e9dc", "#e4dcd4"])
 _PIXELS = 400
+# What arrow and scale bar take below the legend.
+_MARGIN_IN = 1.1
 _NICE = np.array([1.0, 2.0, 5.0])
 
 
@@ -54,15 +56,24 @@ def finish_map(axes: Axes, title: str | None = None) -> None:
     axes.plot(
         [], [], "s", markersize=6, markerfacecolor="white", markeredgecolor="black", label="pad"
     )
-    draw_scale_bar(axes)
-    draw_north_arrow(axes, outside=True)
-    axes.legend(
+    legend = axes.legend(
         loc="upper left",
         bbox_to_anchor=(1.02, 1.0),
         borderaxespad=0.0,
         title=title,
         alignment="left",
     )
+    figure = axes.figure
+    assert isinstance(figure, Figure)
+    figure.draw_without_rendering()
+    left_in = (legend.get_window_extent().y0 - axes.get_window_extent().y0) / figure.dpi
+    if left_in > _MARGIN_IN:
+        draw_scale_bar(axes)
+        draw_north_arrow(axes, outside=True)
+    else:
+        # Beside a wide map the legend takes all the height.
+        draw_scale_bar(axes, np.concatenate([line.get_xydata() for line in axes.lines]))
+        draw_north_arrow(axes)
 
 
 def sampled_ground(dem: Dem, half_extent_m: tuple[float, float], pixels: int) -> tuple[Array, ...]:
