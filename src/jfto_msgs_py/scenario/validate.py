@@ -149,12 +149,7 @@ def _check_together(values: dict[str, Any], given: Layer, problems: list[str]) -
             if name in given:
                 complain(name, f"is {values[name]}, but mission.slot_count is {slots}. Lower it.")
             values[name] = slots
-    if _value(values, "waypoints.source") == "file" and not _value(values, "waypoints.file"):
-        complain(
-            "waypoints.file",
-            "is empty, but waypoints.source is file. Name the file.",
-            "waypoints.source",
-        )
+    _check_waypoint_source(values, complain)
     center = _value(values, "terrain.center_deg")
     if center and abs(center[0]) > 90:
         complain(
@@ -168,6 +163,27 @@ def _check_together(values: dict[str, Any], given: Layer, problems: list[str]) -
     _check_starts(values, complain)
     _check_stations(values, complain)
     _check_batteries(values, given, complain)
+
+
+def _check_waypoint_source(values: dict[str, Any], complain: Any) -> None:
+    """The file, and the home its heights count from, belong to source file and to no other."""
+    source = _value(values, "waypoints.source")
+    if source == "file":
+        if not _value(values, "waypoints.file"):
+            complain(
+                "waypoints.file",
+                "is empty, but waypoints.source is file. Name the file.",
+                "waypoints.source",
+            )
+        return
+    for key, what in (("file", "file"), ("home_deg", "home")):
+        if _value(values, f"waypoints.{key}"):
+            complain(
+                f"waypoints.{key}",
+                f"is given, but waypoints.source is {source}. Set it to file, or remove the "
+                f"{what}.",
+                "waypoints.source",
+            )
 
 
 def _resolve_area(values: dict[str, Any], complain: Any) -> None:

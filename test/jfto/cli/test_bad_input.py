@@ -54,6 +54,16 @@ SCENARIOS = {
         "Lower",
     ),
     "no waypoint file": ("waypoints: {source: file}", "waypoints.file", "Name the file"),
+    "waypoint file not asked for": (
+        "waypoints: {file: mission.kml}",
+        "waypoints.file is given, but waypoints.source is coverage",
+        "Set it to file, or remove the file",
+    ),
+    "home of waypoints that are drawn": (
+        "waypoints: {source: uniform, home_deg: [36.6, -84.2]}",
+        "waypoints.home_deg is given, but waypoints.source is uniform",
+        "Set it to file, or remove the home",
+    ),
     "odd coordinates": ("starts: {positions_m: [1.0, 2.0, 3.0]}", "starts.positions_m", "pairs"),
     "more starts than UAVs": ("starts: {count: 9}", "starts.count is 9", "Set it to 8 or less"),
     "half a centre": ("terrain: {center_deg: [36.6]}", "terrain.center_deg", "needs 2"),
