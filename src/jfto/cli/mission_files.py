@@ -42,6 +42,11 @@ def export_files(
         write_file(path, form.write(part))
         count = sum(len(route.stops) for route in part.routes)
         click.echo(f"{path}   {count} waypoints")
+        if key == "litchi" and (home := part.routes[0].home) is not None:
+            click.echo(
+                f"  its heights are above the pad, which Litchi does not name; to read it back: "
+                f"--set waypoints.home_deg={home[0]:.7f},{home[1]:.7f}"
+            )
         if key == "litchi" and count > WAYPOINTS_MAX:
             click.echo(f"  {path}: Litchi flies {WAYPOINTS_MAX} waypoints at most", err=True)
     if key == "wpml" and drone is None:

@@ -71,8 +71,8 @@ class MissionDocument:
     """Items without home, fence and rally points, and `notes` on all that is not taken over.
 
     `home` is latitude, longitude and metres above sea level (NaN where left open), None where the
-    file names none, on the ground there with `home_on_ground`; `hover_speed_mps` is
-    QGroundControl's.
+    file names none, on the ground there with `home_on_ground`; `home_unnamed_by` is the program
+    whose files never name one. `hover_speed_mps` is QGroundControl's.
     """
 
     items: tuple[FileItem, ...]
@@ -83,6 +83,7 @@ class MissionDocument:
     notes: tuple[str, ...] = ()
     hover_speed_mps: float | None = None
     home_on_ground: bool = False
+    home_unnamed_by: str = ""
 
 
 def finite(value: Any, what: str, place: str) -> float:

@@ -93,7 +93,7 @@ class _Reader:
                 f"{source}: {self._off} waypoints leave the gimbal as it is (gimbalmode 0): taken "
                 "as straight down, unless an action tilts it"
             )
-        return MissionDocument(items, None, notes=tuple(notes))
+        return MissionDocument(items, None, notes=tuple(notes), home_unnamed_by="Litchi")
 
     def _whole(self, row: Row, column: str, known: tuple[int, ...], default: int) -> int:
         told = row.cells.get(column, "")

@@ -62,6 +62,7 @@ class Places:
         self._assumed = assumed or Assumed()
         self._home = None if document is None else document.home
         self._on_ground = document is not None and document.home_on_ground
+        self._unnamed_by = "" if document is None else document.home_unnamed_by
         self._is_mission = document is not None and not document.home_on_ground
         self._home_alt_m: float | None = None
         self._clamped = 0
@@ -186,6 +187,11 @@ class Places:
             return self._home_alt_m
         if self._home is None and self._assumed.home_deg is not None:
             self._home_alt_m = self._home_on_ground(self._assumed.home_deg, "waypoints.home_deg")
+        elif self._home is None and self._unnamed_by:
+            raise WaypointError(
+                f"{place}: its altitude is relative to home. {self._unnamed_by} names no home; set "
+                "waypoints.home_deg=LAT,LON to where the vehicle starts."
+            )
         elif self._home is None:
             cure = (
                 "but plannedHomePosition is missing. Set the planned home and save the plan again"

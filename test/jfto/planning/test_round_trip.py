@@ -149,6 +149,10 @@ def test_a_plan_written_for_other_programs_is_waypoints_again(
     assert main(["mission", "export", given, "-o", str(tmp_path), "--format", key]) == 0
     told = capsys.readouterr()
     assert ("--drone" in told.err) == (key == "wpml")
+    homes = told.out.count("--set waypoints.home_deg=")
+    assert homes == (
+        sum(map(bool, (r.waypoint_ids for r in plan.routes))) if key == "litchi" else 0
+    )
     routes = {uav.id: r.waypoint_ids for uav, r in zip(plan.uavs, plan.routes, strict=True)}
     if not next(form for form in FORMATS if form.key == key).per_uav:
         routes = {"plan": [number for ids in routes.values() for number in ids]}

@@ -168,5 +168,5 @@ def test_litchis_heights_need_a_home(tmp_path, dem):
     form = next(f for f in FORMATS if f.key == "litchi")
     path = tmp_path / "l.csv"
     path.write_bytes(form.write(GeoPlan("l", (GeoRoute("u", stops(1, 2, [1, 1]), HOME),))))
-    with pytest.raises(WaypointError, match=r"set waypoints\.home_deg"):
+    with pytest.raises(WaypointError, match=r"Litchi names no home; set waypoints\.home_deg"):
         read_waypoint_set(path, dem)
