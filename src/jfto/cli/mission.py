@@ -124,7 +124,7 @@ def upload(files: tuple[Path, ...], names: tuple[str, ...], **choices: Any) -> i
 
     missions = build_all(files, names, choices)
     changed = ChangedParameters(files[0].with_name(PARAMETERS_NAME))
-    with link_for(files[0], missions, choices) as link, show_vehicles() as progress:
+    with link_for(files, missions, choices) as link, show_vehicles() as progress:
         sent = {uav: mission.mission for uav, mission in missions.items()}
         outcome = deliver_to_fleet(link, sent, progress.report)
         if not outcome.failed:
@@ -191,7 +191,7 @@ def verify_command(files: tuple[Path, ...], names: tuple[str, ...], **choices: A
     def job(mission: Mission) -> Any:
         return lambda context: compare(context, mission)
 
-    with link_for(files[0], missions, choices) as link, show_vehicles() as progress:
+    with link_for(files, missions, choices) as link, show_vehicles() as progress:
         jobs = {uav: job(mission.mission) for uav, mission in missions.items()}
         results = link.run(jobs, progress.report)
     return _show_differences(results)

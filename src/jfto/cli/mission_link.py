@@ -19,12 +19,13 @@ if TYPE_CHECKING:
 
 
 def link_for(
-    first: Path, missions: Mapping[str, VehicleMission], choices: dict[str, Any]
+    files: Sequence[Path], missions: Mapping[str, VehicleMission], choices: dict[str, Any]
 ) -> AbstractContextManager[FleetLink]:
     """Links to the vehicles of a plan, or to those that mission files are for."""
-    if not is_mission_file(first):
-        return link_fleet(choices, first)
-    texts = _with_system_ids(roster_texts(choices["vehicles"]), missions)
+    if not is_mission_file(files[0]):
+        return link_fleet(choices, files[0])
+    whose = {uav: _whose(uav, files) for uav in missions}
+    texts = _with_system_ids(roster_texts(choices["vehicles"]), whose)
     return link_fleet(choices | {"vehicles": tuple(texts)}, uavs=tuple(missions))
 
 
@@ -61,19 +62,33 @@ def link_fleet(
     )
 
 
-def _with_system_ids(texts: Sequence[str], uavs: Iterable[str]) -> Sequence[str]:
+def _whose(uav: str, files: Iterable[Path]) -> str:
+    """A vehicle for messages, with the file whose name it has where nobody gave another."""
+    path = next((path for path in files if path.stem == uav), None)
+    return uav if path is None else f"{uav} (the name is that of the file {path.name})"
+
+
+def _with_system_ids(texts: Sequence[str], uavs: Mapping[str, str]) -> Sequence[str]:
     """Bare links as entries of a roster: uav3 is the vehicle with system id 3, whoever is missing.
 
-    Raises InputError for names that tell no system id.
+    `uavs` are the vehicles with what messages call them. Raises InputError for names that tell no
+    system id, or that a roster lacks.
     """
+    listed = [text.partition("=")[0] for text in texts if "=" in text]
+    lacking = [uav for uav in uavs if uav not in listed]
+    if lacking and listed and len(listed) == len(texts):
+        raise InputError(
+            f"{uavs[lacking[0]]}: --vehicles lists {', '.join(listed)}. Say whose mission the file "
+            f"is, as with --uav {listed[0]}."
+        )
     if not texts or any("=" in text or ":" not in text or text.startswith("sim") for text in texts):
         return texts
     numbers = {uav: re.fullmatch(r"uav([1-9]\d{0,2})", uav) for uav in uavs}
     odd = [uav for uav, number in numbers.items() if number is None]
     if odd:
         raise InputError(
-            f"{odd[0]}: nothing says which system id it has. Name it with "
-            f"--vehicles {odd[0]}=SYSID@{texts[0]}, or the vehicle with --uav."
+            f"{uavs[odd[0]]}: nothing says which system id it has. Say whose mission the file is, "
+            f"as with --uav uav1, or which vehicle it is: --vehicles {odd[0]}=SYSID@{texts[0]}."
         )
     links = [*texts] * len(numbers) if len(texts) == 1 else [*texts]
     if len(links) != len(numbers):

@@ -303,6 +303,9 @@ def test_an_edited_mission_keeps_out_of_the_scenarios_zones(plan, tmp_path, caps
     ("arguments", "words"),
     [
         (["m.plan", "--vehicles", "udpin:127.0.0.1:14999"], "--vehicles m=SYSID@udpin"),
+        (["m.plan", "--vehicles", "udpin:127.0.0.1:14999"], "the name is that of the file m.plan"),
+        (["m.plan", "--vehicles", "udpin:127.0.0.1:14999"], "as with --uav uav1"),
+        (["m.plan", "--vehicles", "uav2=2@udpin:127.0.0.1:14999"], "as with --uav uav2"),
         (["m.plan", "--uav", "uav1", "--vehicles", "sim"], "Start them with jfto sim"),
         (["m.plan", "m.plan", "--vehicles", "x"], "give --uav once for each file"),
         (["m.plan", "plan.json", "--vehicles", "x"], "is no .plan or .waypoints file"),
