@@ -28,9 +28,10 @@ def angles(values: Mapping[str, Any], place: str) -> tuple[float, float]:
     """Yaw (0 to 360) and pitch in degrees from values by name in small letters.
 
     0 and -90 where none or an empty one is given. Raises MissionTextError, also where two names of
-    one angle disagree.
+    one angle disagree, and for a yaw outside -360…360 or a pitch outside -90…90.
     """
-    return _angle(values, YAW, 0.0, place) % 360.0, _angle(values, PITCH, -90.0, place)
+    yaw_deg = _angle(values, YAW, 0.0, 360.0, place)
+    return yaw_deg % 360.0, _angle(values, PITCH, -90.0, 90.0, place)
 
 
 def switched_off(values: Mapping[str, Any]) -> bool:
@@ -45,7 +46,9 @@ def not_used(source: str, names: Iterable[str], used: Iterable[str]) -> list[str
     return [f"{source}: not used: {', '.join(rest)}"] if rest else []
 
 
-def _angle(values: Mapping[str, Any], names: tuple[str, ...], default: float, place: str) -> float:
+def _angle(
+    values: Mapping[str, Any], names: tuple[str, ...], default: float, most: float, place: str
+) -> float:
     given = {
         name: number(values[name], name, place)
         for name in names
@@ -54,4 +57,10 @@ def _angle(values: Mapping[str, Any], names: tuple[str, ...], default: float, pl
     if len(set(given.values())) > 1:
         told = " and ".join(f"{name} {value:g}" for name, value in given.items())
         raise MissionTextError(f"{place}: has {told} for one angle. Leave one of them.")
+    for name, value in given.items():
+        if abs(value) > most:
+            raise MissionTextError(
+                f"{place}: {name} is {value:g}, outside {-most:g}…{most:g} deg. Correct it; it may "
+                "be another column's, or in other units."
+            )
     return next(iter(given.values()), default)

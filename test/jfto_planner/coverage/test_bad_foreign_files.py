@@ -72,6 +72,33 @@ BAD = {
     "no wayline": ("w.wpml", WPML.format(""), "has no wayline"),
     "unit": ("w.csv", f"lat,lon,alt(yd)\n{LAT},{LON},1700\n", "line 1: alt_yd is in 'yd'"),
     "radians": ("w.csv", f"lat,lon,alt,heading_rad\n{LAT},{LON},1580,1\n", "in radians"),
+    "heading": (
+        "w.csv",
+        f"lat,lon,alt,heading\n{LAT},{LON},1580,1000\n",
+        "line 2: heading is 1000, outside -360…360 deg",
+    ),
+    "pitch": (
+        "w.csv",
+        f"lat,lon,alt,gimbal_pitch\n{LAT},{LON},1580,-90.5\n",
+        "line 2: gimbal_pitch is -90.5, outside -90…90 deg",
+    ),
+    "pitch of a feature": (
+        "w.geojson",
+        (
+            '{"type": "Feature", "properties": {"pitch": 100}, "geometry": '
+            f'{{"type": "Point", "coordinates": [{LON}, {LAT}, 1580]}}}}'
+        ),
+        "w.geojson: pitch is 100, outside",
+    ),
+    "heading of a placemark": (
+        "w.kml",
+        (
+            '<kml xmlns="http://www.opengis.net/kml/2.2"><Placemark><ExtendedData><Data name="yaw">'
+            "<value>-361</value></Data></ExtendedData><Point><altitudeMode>absolute</altitudeMode>"
+            f"<coordinates>{LON},{LAT},1580</coordinates></Point></Placemark></kml>"
+        ),
+        "yaw is -361, outside",
+    ),
     "reference": (
         "w.csv",
         f"lat,lon,alt,height_reference\n{LAT},{LON},1580,moon\n",
