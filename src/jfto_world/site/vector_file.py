@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -80,14 +80,17 @@ def read_layer(path: str, name: str) -> Layer:
         )
     if bool(shapely.has_z(found).any()):
         notes.append(f"{path}: heights of its corners are not used")
-    found = _in_degrees(found, meta["crs"], path, notes)
     names = [str(field) for field in meta["fields"]]
     features = []
     for index, geometry in enumerate(found):
         properties = {n: _plain(c[index]) for n, c in zip(names, columns, strict=True)}
         called = _called(properties)
         place = f"{path}, feature {index + 1}" + (f' "{called}"' if called else "")
+        if not np.isfinite(shapely.get_coordinates(geometry)).all():
+            raise SiteError(f"{place}: a corner is not a number. Correct it, or export it again.")
         features.append(Feature(place, called, geometry, properties))
+    placed = _in_degrees(found, meta["crs"], path, notes)
+    features = [replace(one, geometry=g) for one, g in zip(features, placed, strict=True)]
     return Layer(name, tuple(features), tuple(notes))
 
 
@@ -113,8 +116,10 @@ def _raw(path: str, name: str, notes: list[str]) -> tuple[Any, Any, Any]:
 
 def _geometries(wkb: Any, path: str) -> np.ndarray:
     try:
-        # A ring left open is closed, which the note says; nothing else is mended.
-        return np.asarray(shapely.from_wkb(wkb, on_invalid=_ON_INVALID), dtype=object)
+        # Coordinates that are no numbers are refused by the name of their feature.
+        with np.errstate(invalid="ignore"):
+            # A ring left open is closed, which the note says; nothing else is mended.
+            return np.asarray(shapely.from_wkb(wkb, on_invalid=_ON_INVALID), dtype=object)
     except (ShapelyError, TypeError, ValueError) as error:
         raise SiteError(
             f"{path}: has a geometry that cannot be read ({_short(error)}). Rings must be "

@@ -262,3 +262,14 @@ def test_bombs_are_refused(tmp_path):
     ring = np.round(np.column_stack([104 + np.cos(angle), 32 + np.sin(angle)]), 5).tolist()
     with pytest.raises(SiteError, match="more than 200000 corners"):
         read_site(geojson(tmp_path / "big.geojson", polygon(ring)))
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("word", ["NaN", "Infinity"])
+@pytest.mark.parametrize("crs", [None, "urn:ogc:def:crs:EPSG::32648"])
+def test_corners_that_are_no_numbers_are_refused_by_the_name_of_their_feature(tmp_path, word, crs):
+    """In degrees and in metres; no library warns beside."""
+    path = geojson(tmp_path / "a.geojson", polygon(OUTER), crs=crs)
+    path.write_text(path.read_text().replace("104.12,", f"{word},"))
+    with pytest.raises(SiteError, match=r'a\.geojson, feature 1 "n": a corner is not a number'):
+        read_site(path)
