@@ -92,6 +92,8 @@ def area_grid(
     size_m: tuple[float, float],
     margin_m: float | None,
     name: str,
+    *,
+    in_folder: bool = False,
 ) -> AreaGrid:
     """Nodes of the area and the widest margin that the layers cover.
 
@@ -117,11 +119,16 @@ def area_grid(
     row, column = np.argwhere(~inside)[0]
     with_margin = f" with its margin of {margin_m:.0f} m" if margin_m else ""
     cure = "size_m or margin_m" if margin_m else "size_m"
+    tile = (
+        f"Add the tile that lies there, move the centre, or make {cure} smaller."
+        if in_folder
+        else f"Move the centre, make {cure} smaller, or put the neighbouring tile into the same "
+        "folder and name that."
+    )
     raise TerrainError(
         f"{name} covers only {100 * float(np.mean(inside)):.0f} % of the area{with_margin}: it "
         f"holds {_extents(layers)}; the first gap is at {float(lat[row, column]):.5f}, "
-        f"{float(lon[row, column]):.5f}. Move the centre, make {cure} smaller, or put the "
-        "neighbouring tile into the same folder and name that."
+        f"{float(lon[row, column]):.5f}. {tile}"
     )
 
 

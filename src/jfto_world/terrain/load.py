@@ -74,12 +74,15 @@ def load_dem(
     """
     every = open_layers(source, declared)
     name = every[0].name if len(every) == 1 else str(source)
+    in_folder = Path(source).is_dir()
     lat_deg, lon_deg = every[0].middle() if center is None else check_center(name, center)
     check_size(size_m, margin_m)
     frame = LocalFrame(Origin(lat_deg, lon_deg, 0.0))
     layers = layers_under(every, frame, size_m, margin_m)
-    grid = area_grid(layers, frame, size_m, margin_m, name)
-    altitudes, agreement = altitudes_under(layers, grid, frame, zero_is_void, name)
+    grid = area_grid(layers, frame, size_m, margin_m, name, in_folder=in_folder)
+    altitudes, agreement = altitudes_under(
+        layers, grid, frame, zero_is_void, name, in_folder=in_folder
+    )
 
     datum, converted = datum_of(layers[0], frame)
     middle = altitudes(np.array([lat_deg]), np.array([lon_deg]))

@@ -79,6 +79,15 @@ def vsi_path(path: Path, suffixes: frozenset[str]) -> str:
     return f"/vsizip/{{{path.absolute()}}}/{member(path, suffixes)}"
 
 
+def unpacked_size(path: Path, suffixes: frozenset[str]) -> int:
+    """Bytes of what a .zip or .gz holds. Raises TerrainError where it cannot be unpacked."""
+    if path.suffix.lower() == ".gz":
+        return _check_gzip(path.absolute(), path.stat().st_mtime_ns)
+    name = member(path, suffixes)
+    with zipfile.ZipFile(path) as archive:
+        return archive.getinfo(name).file_size
+
+
 def unpacked_bytes(path: Path, suffixes: frozenset[str]) -> bytes:
     """Content of a file, packed or not. Raises TerrainError where it cannot be unpacked."""
     try:
@@ -94,14 +103,18 @@ def unpacked_bytes(path: Path, suffixes: frozenset[str]) -> bytes:
 
 
 @lru_cache(maxsize=64)
-def _check_gzip(path: Path, changed_ns: int) -> None:  # noqa: ARG001
-    """A .gz says nothing of its size that can be relied on: it is unpacked once, and forgotten."""
+def _check_gzip(path: Path, changed_ns: int) -> int:  # noqa: ARG001
+    """A .gz says nothing of its size that can be relied on: it is unpacked once, and forgotten.
+
+    What is told is how many bytes that were.
+    """
     size = 0
     try:
         with gzip.open(path) as stream:
             while piece := stream.read(_PIECE_BYTES):
                 size += len(piece)
                 _check_size(path, size)
+        return size
     except (OSError, EOFError) as error:
         raise TerrainError(
             f"{path} cannot be unpacked ({error}). Copy or download it again."

@@ -128,12 +128,15 @@ def _check_srtm(path: Path, size: int) -> None:
             f"{path} has no tile in its name, which alone says where it lies. "
             "Give it back its name, such as N40W106.hgt."
         )
-    if path.suffix.lower() in packed.PACKINGS:
-        return
+    is_packed = path.suffix.lower() in packed.PACKINGS
+    if is_packed:
+        size = packed.unpacked_size(path, SUFFIXES)
     if size % 2 or size // 2 not in _HGT_SAMPLES:
+        sizes = [f"{2 * n} ({step} arc-seconds)" for n, step in sorted(_HGT_SAMPLES.items())]
         raise TerrainError(
-            f"{path} has {size} bytes, an SRTM tile has 2884802 (3 arc-seconds) or 25934402 "
-            "(1 arc-second). It is cut short or still compressed; unpack or download it again."
+            f"{path} {'holds a tile of' if is_packed else 'has'} {size} bytes, an SRTM tile has "
+            f"{', '.join(sizes[:-1])} or {sizes[-1]}. It is cut short or "
+            "still compressed; unpack or download it again."
         )
 
 

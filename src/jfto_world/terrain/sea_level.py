@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from jfto_msgs_py.errors import TerrainError
-from jfto_msgs_py.types import Array
+from jfto_msgs_py.types import Array, Flags
 from jfto_world.terrain.area_grid import SEAM_CELLS, AreaGrid
 from jfto_world.terrain.frame import LocalFrame
 from jfto_world.terrain.geoid import geoid_height, geoid_name
@@ -19,12 +19,18 @@ _SLACK_CELLS = 0.01
 
 
 def altitudes_under(
-    layers: Sequence[Layer], grid: AreaGrid, frame: LocalFrame, zero_is_void: bool, name: str
+    layers: Sequence[Layer],
+    grid: AreaGrid,
+    frame: LocalFrame,
+    zero_is_void: bool,
+    name: str,
+    *,
+    in_folder: bool = False,
 ) -> tuple[Heights, tuple[str, ...]]:
     """Altitudes above sea level at the grid's places, and a line on how well layers agree.
 
     Of several layers the first that has a height is taken: they come finest first. Raises
-    TerrainError for places without a height in any.
+    TerrainError for places without a height in any, with the cure that a folder of tiles has.
     """
     lat, lon = grid.lat, grid.lon
     parts: list[tuple[Layer, Heights]] = []
@@ -35,7 +41,10 @@ def altitudes_under(
             read = layer.heights(lat[here], lon[here], grid.spacing_m, cell_m, zero_is_void)
             parts.append((layer, _at_sea_level(layer, read)))
     altitudes = parts[0][1] if len(parts) == 1 else _ranked(parts)
-    _check_whole(altitudes(lat, lon), grid, zero_is_void, name)
+    missing = np.isnan(altitudes(lat, lon))
+    if missing.any():
+        zero = zero_is_void and _zeros_there(layers, grid, frame, missing)
+        raise TerrainError(_gap(missing, grid, name, in_folder=in_folder, zero=zero))
     overlap = Overlap()
     found = [(layer.name, _within(layer, read, 0.0)(lat, lon)) for layer, read in parts[1:]]
     if found:
@@ -90,17 +99,28 @@ def _at_sea_level(layer: Layer, heights: Heights) -> Heights:
     return lambda lat, lon: heights(lat, lon) - geoid_height(lat, lon)
 
 
-def _check_whole(found: Array, grid: AreaGrid, zero_is_void: bool, name: str) -> None:
-    missing = np.isnan(found)
-    if not missing.any():
-        return
+def _zeros_there(layers: Sequence[Layer], grid: AreaGrid, frame: LocalFrame, gap: Flags) -> bool:
+    """Whether any place of a gap has a height once those of exactly 0 count."""
+    lat, lon = grid.lat, grid.lon
+    for layer in layers:
+        here = layer.covers(lat, lon, SEAM_CELLS)
+        if (here & gap).any():
+            read = layer.heights(lat[here], lon[here], grid.spacing_m, layer.cell_m(frame), False)
+            if np.isfinite(read(lat[here & gap], lon[here & gap])).any():
+                return True
+    return False
+
+
+def _gap(missing: Flags, grid: AreaGrid, name: str, *, in_folder: bool, zero: bool) -> str:
+    """How much is without a height, where that begins, and what to do."""
     row, column = np.argwhere(missing)[0]
     percent = 100 * float(missing.mean())
     share = f"{percent:.0f}" if percent >= 1 else f"{percent:.2g}"
-    zero = "Heights of 0 m count as missing; set zero_is_void to false where they are sea. "
-    raise TerrainError(
+    cure = "Heights of 0 m count as missing; set zero_is_void to false where they are sea. "
+    tile = "Add the tile that lies there, move" if in_folder else "Move"
+    return (
         f"{name}: {share} % of the area or its margin is without a "
         f"height, first at {float(grid.lat[row, column]):.5f}, "
-        f"{float(grid.lon[row, column]):.5f}. {zero if zero_is_void else ''}"
-        "Move the centre, shrink the margin, or fill the gaps (gdal_fillnodata.py)."
+        f"{float(grid.lon[row, column]):.5f}. {cure if zero else ''}"
+        f"{tile} the centre, shrink the margin, or fill the gaps (gdal_fillnodata.py)."
     )

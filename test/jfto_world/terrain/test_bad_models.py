@@ -70,6 +70,12 @@ BAD = {
         "cannot be unpacked",
         "download it again",
     ),
+    "an .hgt cut before it was packed": (
+        "N46E007.hgt.gz",
+        lambda p: p.write_bytes(gzip.compress(bytes(2884800))),
+        "holds a tile of 2884800 bytes, an SRTM tile has 2884802 (3 arc-seconds)",
+        "download it again",
+    ),
     "complex": (
         "a.tif",
         lambda p: tif(p, np.zeros((50, 50), np.complex64)),
@@ -161,8 +167,8 @@ BAD = {
     "an .hgt in a zip, cut": (
         "N46E007.hgt.zip",
         lambda p: zipped(p, "N46E007.hgt"),
-        "cannot be read as .hgt",
-        "download the file again",
+        "holds a tile of 7 bytes, an SRTM tile has 2884802 (3 arc-seconds), 12970802",
+        "download it again",
     ),
 }
 

@@ -108,7 +108,7 @@ def test_models_of_neighbouring_utm_zones_meet_at_their_border(tmp_path, gap_m):
         write(tmp_path / f"{zone}.tif", corner, 10.0, (240, width), crs=crs, height=ground)
     if gap_m:
         with pytest.raises(
-            TerrainError, match=r"covers only .*the first gap is at 46\.\d+, [56]\."
+            TerrainError, match=r"covers only .*the first gap is at 46\.\d+, [56]\..* Add the tile"
         ):
             load_dem(tmp_path, center=(lat, lon), size_m=SIZE)
         return
@@ -130,8 +130,14 @@ def test_what_one_tile_lacks_another_gives(tmp_path):
         return heights
 
     write(tmp_path / "fine.tif", fine, 1.0, (1200, 1200), height=holed, **options)
-    with pytest.raises(TerrainError, match=r"without a height, first at 46\.\d+, 7\.\d+"):
+    with pytest.raises(TerrainError, match=r"without a height, first at 46\.\d+, 7\.\d+") as alone:
         load_dem(tmp_path / "fine.tif", center=(LAT, LON), size_m=(600.0, 600.0), margin_m=100.0)
+    # No height there is 0, so that counting these would mend nothing.
+    assert "zero_is_void" not in str(alone.value)
+    write(tmp_path / "beside.tif", (391_400.0, 5_116_700.0), 1.0, (20, 1200), crs=crs)
+    with pytest.raises(TerrainError, match="Add the tile that lies there") as several:
+        load_dem(tmp_path, center=(LAT, LON), size_m=(600.0, 600.0), margin_m=100.0)
+    assert "zero_is_void" not in str(several.value)
     write(tmp_path / "coarse.tif", (LON - 0.03, LAT + 0.03), 1 / 3600, (216, 216))
     dem = load_dem(tmp_path, center=(LAT, LON), size_m=(600.0, 600.0), margin_m=100.0)
     x, y = np.meshgrid(np.linspace(-390, 390, 200), np.linspace(-390, 390, 200))
