@@ -33,6 +33,9 @@ _UNCLEAR = frozenset(
      "max_alt", "minalt", "maxalt", "lower_limit", "upper_limit", "lowerlimit", "upperlimit")
 )  # fmt: skip
 _SAMPLE_M = 5.0
+# A fence that begins farther from the terrain than this is somebody else's, or mistaken.
+_FAR_M = 20_000.0
+_DEGREE_M = 111_320.0
 # What a vehicle strays from its legs.
 _STRAYED_M = 1.0
 
@@ -65,6 +68,8 @@ def fence_of(loaded: LoadedScenario, dem: Dem) -> tuple[Fence | None, tuple[str,
         if wanted.file:
             found, notes = _of_file(loaded, wanted.file, wanted.layer)
             shapes += found
+        for one in shapes:
+            _require_near(one, dem)
         keep_in = tuple(_polygon(one, dem) for one in shapes if one.keep_in)
         zones = [
             zone
@@ -79,6 +84,38 @@ def fence_of(loaded: LoadedScenario, dem: Dem) -> tuple[Fence | None, tuple[str,
     )
     fence: Fence = Fence(keep_in, named, wanted.margin_m)
     return fence, notes
+
+
+def _require_near(shape: _Shape, dem: Dem) -> None:
+    """Raise SiteError for a shape far from the terrain, which would be kept without a thought."""
+    corners = np.array(shape.text.corners_deg)
+    away_m = _away_m(corners, shape.text.radius_m, dem)
+    if away_m <= _FAR_M:
+        return
+    at = f"it lies at {corners[0, 0]:.4f}, {corners[0, 1]:.4f}"
+    swapped = corners[:, ::-1]
+    if np.abs(swapped[:, 0]).max() <= 90 and _away_m(swapped, 0.0, dem) <= _FAR_M:
+        raise SiteError(
+            f"{shape.place}: its latitude and longitude are exchanged: as given {at}, "
+            f"{away_m / 1000:.0f} km from the terrain. Exchange them."
+        )
+    raise SiteError(
+        f"{shape.place}: {at}, {away_m / 1000:.0f} km from the terrain, where it can keep nobody "
+        "from anything. Correct its place, or remove it."
+    )
+
+
+def _away_m(corners_deg: np.ndarray, radius_m: float, dem: Dem) -> float:
+    """Distance of a shape from the terrain, m; roughly, on a map about its origin."""
+    import shapely
+
+    east_deg = (corners_deg[:, 1] - dem.origin.lon_deg + 180.0) % 360.0 - 180.0
+    north_deg = corners_deg[:, 0] - dem.origin.lat_deg
+    stretch = math.cos(math.radians(dem.origin.lat_deg))
+    points = _DEGREE_M * np.column_stack([east_deg * stretch, north_deg])
+    shape = shapely.Point(points[0]) if len(points) == 1 else shapely.Polygon(points)
+    away_m = float(shapely.make_valid(shape).distance(shapely.Point(0.0, 0.0)))
+    return away_m - radius_m - 0.5 * math.hypot(*dem.size_m)
 
 
 def corner_allowance_m(wanted: TrajectoryPart) -> float:

@@ -177,3 +177,19 @@ def test_waypoints_of_a_file_in_a_zone_are_refused(tmp_path, dem):
         survey(scenario("waypoints.source=file", f"waypoints.file={path}", zone))
     assert isinstance(caught.value, WaypointError)
     assert "in pond must not be flown to" in str(caught.value)
+
+
+@pytest.mark.parametrize("key", ["keep_out", "keep_in"])
+def test_a_shape_far_from_the_terrain_is_refused(dem, key):
+    """Exchanged latitude and longitude are recognised; any other place is named with its distance.
+
+    One that lies around the terrain is near, however far its corners are.
+    """
+    lat, lon = dem.origin.lat_deg, dem.origin.lon_deg
+    with pytest.raises(SiteError, match=rf"fence.{key}\[0\]: its latitude and longitude are exch"):
+        fence_of(scenario(f"fence.{key}=circle {lon} {lat} 60 m"), dem)
+    with pytest.raises(SiteError, match=rf"fence.{key}\[0\]: it lies at 46.0000, 7.0000, \d+ km"):
+        fence_of(scenario(f"fence.{key}=circle 46 7 60 m"), dem)
+    around = f"polygon {lat - 3} {lon - 3} {lat - 3} {lon + 3} {lat + 3} {lon}"
+    fence, _ = fence_of(scenario(f"fence.{key}={around}"), dem)
+    assert fence is not None
