@@ -35,6 +35,7 @@ def command(
     from jfto.cli.results import plan_facts, print_infeasible
     from jfto.console.stages import show_stages
     from jfto.pipeline.run import save_plans
+    from jfto.pipeline.sorties import stale_sorties
     from jfto.planning.cures import would_help
     from jfto.planning.sorties import plan_sorties
     from jfto.planning.survey import survey
@@ -46,7 +47,10 @@ def command(
         sorties = plan_sorties(loaded.scenario, found, progress, warm_start=earlier)
         planned = sorties.sorties[0]
         cures = would_help(planned, found.dem, progress)
-    paths = save_plans(sorties.plans, out or Path("plan.json"))
+    target = out or Path("plan.json")
+    clean = all(plan.clean for plan in sorties.plans)
+    stale = stale_sorties(target, sorties.plans) if clean else ()
+    paths = save_plans(sorties.plans, target)
     path = paths[0]
     if as_json:
         learned = {"learned": planned.learned} if planned.learned else {}
@@ -66,4 +70,6 @@ def command(
             click.echo(f"Sorties     {words.sorties(sorties.plans, sorties.least)}")
         for each in paths:
             click.echo(f"Plan        {each}")
+        if stale:
+            click.echo(f"Removed     {', '.join(map(str, stale))} (of an earlier division)")
     return 0

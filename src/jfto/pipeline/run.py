@@ -25,7 +25,7 @@ from jfto.pipeline.directory import (
     write_scenario,
 )
 from jfto.pipeline.products import Products, digest
-from jfto.pipeline.sorties import forget_sorties, save_sorties
+from jfto.pipeline.sorties import save_sorties, stale_sorties
 from jfto.planning.scenario_file import (
     SCENARIO_NAME,
     LoadedScenario,
@@ -99,7 +99,8 @@ def save_plans(plans: tuple[Plan, ...], path: Path) -> tuple[Path, ...]:
     if len(plans) > 1:
         return save_sorties(plans, path)
     if plans[0].clean:
-        forget_sorties(path)
+        for file in stale_sorties(path, plans):
+            file.unlink()
     return (save_plan(plans[0], path),)
 
 

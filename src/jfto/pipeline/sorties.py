@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 from jfto.pipeline.directory import FLIGHT_NAME, PLAN_NAME
@@ -30,29 +31,38 @@ def sortie_directory(directory: Path, number: int) -> Path:
 def save_sorties(plans: tuple[Plan, ...], path: Path) -> tuple[Path, ...]:
     """Write clean plans beside `path`, all or none, as `sortie_file` names them; returns where.
 
-    Plans of an earlier division into more sorties are removed. Raises InputError.
+    Plans of an earlier division into more sorties are removed (`stale_sorties`). Raises InputError.
     """
+    stale = stale_sorties(path, plans)
     files = [sortie_file(path, number) for number in range(1, len(plans) + 1)]
     write_files({file: plan_text(plan) for file, plan in zip(files, plans, strict=True)})
-    forget_sorties(path, beyond=len(plans))
+    for file in stale:
+        file.unlink()
     return tuple(files)
 
 
-def forget_sorties(path: Path, beyond: int = 0) -> None:
-    """Remove plans of sorties with greater numbers that lie beside `path`; what is no plan of the
-    sortie of its name is somebody else's and stays.
+def stale_sorties(path: Path, plans: Sequence[Plan]) -> tuple[Path, ...]:
+    """Plans of an earlier division that `plans` beside `path` make void: of sorties with greater
+    numbers, or of any where there is one plan now, about the same origin.
+
+    What is no plan of the sortie of its name, or of another place, is somebody else's.
     """
+    beyond = len(plans) if len(plans) > 1 else 0
     pattern = re.compile(re.escape(path.stem) + r"-(\d+)" + re.escape(path.suffix))
-    for file in path.parent.glob(f"{path.stem}-*{path.suffix}") if path.parent.exists() else ():
+    stale = []
+    for file in sorted(path.parent.glob(f"{path.stem}-*{path.suffix}")):
         found = pattern.fullmatch(file.name)
         if found is None or int(found[1]) <= beyond:
             continue
         try:
-            sortie = read_plan(file).sortie
+            earlier = read_plan(file)
         except PlanError:
             continue
-        if sortie.count > 1 and sortie.number == int(found[1]):
-            file.unlink()
+        sortie, here = earlier.sortie, plans[0].origin
+        place = (earlier.origin.lat_deg, earlier.origin.lon_deg) == (here.lat_deg, here.lon_deg)
+        if sortie.count > 1 and sortie.number == int(found[1]) and place:
+            stale.append(file)
+    return tuple(stale)
 
 
 def left_over(directory: Path, number: int) -> dict[int, tuple[Waypoint, ...]]:

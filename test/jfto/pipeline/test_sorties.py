@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from jfto.cli.main import main
 from jfto.pipeline.directory import FLIGHT_NAME, PLAN_NAME
 from jfto.pipeline.sortie_run import with_left_over
-from jfto.pipeline.sorties import left_over, save_sorties, sortie_directory
+from jfto.pipeline.sorties import left_over, save_sorties, sortie_directory, stale_sorties
 from jfto.planning.scenario_file import LoadedScenario, load_scenario
 from jfto.planning.sorties import PlannedSorties, faults_together, plan_sorties
 from jfto.planning.survey import survey
@@ -105,6 +105,18 @@ def test_sorties_begin_where_they_are_told_to(tiny: Path, tiny_survey) -> None:
     alike = ["sorties.count=2", "sorties.starts=same"]
     first, second = plan_sorties(load_scenario(tiny, alike).scenario, tiny_survey).plans
     assert [uav.start_m for uav in first.uavs] == [uav.start_m for uav in second.uavs]
+
+
+def test_plans_of_another_place_are_nobodys_to_remove(plans, tmp_path: Path) -> None:
+    """Only what an earlier division of the same place left, under the number in its name."""
+    last, origin = plans[-1], plans[-1].origin
+    number = len(plans) + 1
+    write_plan(replace(last, sortie=Sortie(number, number)), tmp_path / f"p-{number}.json")
+    elsewhere = replace(origin, lat_deg=origin.lat_deg + 0.5)
+    other = replace(last, origin=elsewhere, sortie=Sortie(number + 1, number + 1))
+    write_plan(other, tmp_path / f"p-{number + 1}.json")
+    (tmp_path / f"p-{number + 2}.json").write_text("{}")
+    assert stale_sorties(tmp_path / "p.json", plans) == (tmp_path / f"p-{number}.json",)
 
 
 def test_files_are_written_all_or_none_and_old_ones_go(plans, tmp_path: Path) -> None:
