@@ -71,7 +71,7 @@ def cli() -> None:
     Begin with:  jfto run config/demo.yaml
     Change any key of a scenario:  jfto run config/demo.yaml --set network.k_min=1
 
-    Exit status: 0 fine, 2 bad input, 3 infeasible (closest plan kept), 130 interrupted,
+    Exit status: 0 fine, 2 bad input, 3 infeasible (closest plan kept, if any), 130 interrupted,
     1 anything else.
     """
 

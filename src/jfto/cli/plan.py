@@ -25,7 +25,8 @@ def command(
 
     Where one flight does not do, FILE-1.json, FILE-2.json and so on are plans of several sorties.
     The same scenario and seed give the same bytes. An infeasible scenario ends with status 3 and
-    the closest plan in FILE's .infeasible.json. Ctrl-C keeps the best plan so far.
+    the closest plan of one flight, if there is one, in FILE's .infeasible.json. Ctrl-C keeps the
+    best plan so far.
 
     \b
     Example:  jfto plan config/wanglang.yaml -o plan.json --seed 1
